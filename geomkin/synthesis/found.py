@@ -65,7 +65,8 @@ class Rounding:
                 body: {name: self.place(name, complex(place)) for name, place in points.items()}
                 for body, points in linkage.bodies.items()
             }
-            return replace(linkage, bodies=bodies, origin=self.place("origin", complex(linkage.origin)))
+            meshes = tuple(replace(mesh, angle_deg=self.angle("", mesh.angle_deg)) for mesh in linkage.meshes)
+            return replace(linkage, bodies=bodies, origin=self.place("origin", complex(linkage.origin)), meshes=meshes)
         sizes: dict[str, float | complex] = {
             name: self.length(name, value) for name, value in lengths_of(linkage).items()
         }
@@ -225,6 +226,11 @@ def size_entries(linkage: AbstractLinkage) -> dict[str, object]:
             body: {name: [ten_digits(z.real), ten_digits(z.imag)] for name, z in points.items()}
             for body, points in places.items()
         }
+        if linkage.meshes:
+            entries["meshes"] = [
+                {"bodies": list(mesh.bodies), "teeth": list(mesh.teeth), "angle_deg": ten_digits(mesh.angle_deg)}
+                for mesh in linkage.meshes
+            ]
     for name in ("ground_angle_deg", "angle_deg"):
         if hasattr(linkage, name):
             entries[name] = ten_digits(getattr(linkage, name))

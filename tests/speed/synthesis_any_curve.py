@@ -1,4 +1,4 @@
-"""Prints how well four-, six- and eight-bars follow 32 closed curves that no four-bar draws. Never pass or fail.
+"""Prints how well four- to eight-bars follow 32 closed curves that no four-bar draws. Never pass or fail.
 
 .venv/bin/python -m tests.speed.synthesis_any_curve [names of curves]; largest distances both ways and rms, % of the
 diagonal of the curve's box, by position analysis of the results alone; seconds are of the processor, of one thread.
@@ -41,6 +41,8 @@ SHAPES = {
     "arc": np.concatenate([np.exp(1j * np.linspace(0, 2, 200)), np.exp(1j * np.linspace(2, 0, 200))]),
     "fourbar": gk.move(KNOWN, TURN).point("coupler_point").position,
 }
+# Largest numbers of bars; five- and seven-bars are searched for together with four- and six-bars.
+BARS = 4, 5, 6, 7, 8
 LETTERS = "AECSMWQGKXRBDFHIJLNOPT"
 
 
@@ -92,17 +94,17 @@ def both_ways(path: np.ndarray, curve: np.ndarray) -> tuple[float, float]:
 def figures(names: list[str]) -> None:
     """The table."""
     start = time.process_time()
-    for dyads in (1, 2, 3):
-        curve_library(dyads)
+    for bars in BARS:
+        curve_library(bars)
     print(f"library of random chains: {time.process_time() - start:.1f} s")
-    rows: dict[int, list[tuple[float, float, float, float]]] = {4: [], 6: [], 8: []}
+    rows: dict[int, list[tuple[float, float, float, float]]] = {bars: [] for bars in BARS}
     for name in names:
         curve = smooth(SHAPES[name] if name in SHAPES else letter(name))
         shown = []
         for bars, kept in rows.items():
             start = time.process_time()
             limits = {"least_transmission_angle_deg": 20, "largest_ratio": 10, "time_limit": 600}
-            found = gk.path_generator(curve[::4], closed=True, bars=bars, **limits)
+            found = gk.path_generator(curve[::4], closed=True, bars=bars, geared=bars % 2 == 1, **limits)
             spent = time.process_time() - start
             motion = gk.move(found.linkage, np.linspace(0, 2 * np.pi, 2049)[:-1], found.branch)
             path = motion.point("coupler_point").position

@@ -367,8 +367,9 @@ def damaged(path, rng):
         if path.suffix in BINARY:
             changed, order = BINARY[path.suffix](content, rng)
         else:
-            text, order = TEXTS[path.suffix](content.decode(), rng)
-            changed = text.encode()
+            # Drawings of R2000 are not UTF-8.
+            text, order = TEXTS[path.suffix](content.decode(errors="surrogateescape"), rng)
+            changed = text.encode(errors="surrogateescape")
         if changed != content:
             path.write_bytes(changed)
             return f"{path.name}: {order}"

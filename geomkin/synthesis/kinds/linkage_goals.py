@@ -253,6 +253,7 @@ def recipe_of(
             linkage.driver,
             origin=complex(linkage.origin),
             ground_angle_deg=linkage.ground_angle_deg,
+            meshes=linkage.meshes,
         )
     if drive.speed_rpm < 0:
         span = (low, low - 360) if linkage.linkage.driven_slider is None and high - low == 360 else (high, low)

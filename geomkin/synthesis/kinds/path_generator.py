@@ -28,7 +28,7 @@ from ...plane.primitives import Segment
 from ...plane.vec import Complex, Real
 from ...recipe.settings import Drive, Files
 from ..found import size_entries, ten_digits
-from ..path.path import CHAIN_DEG, CHAIN_RATIO, LONGEST_RATIO, MOST_POINTS, TOGGLE_DEG, path_generator
+from ..path.path import MOST_POINTS, path_generator, usual_limits
 from ..path.search import PathFound
 from ..path.svg_drawings import drawing_points, svg_path_points
 from .linkage_goals import CUT_SHORT, AbstractLinkageGoal, Search, choose_entry, recipe_of
@@ -170,9 +170,10 @@ class WantedPath:
     closed: bool = entry(
         "whether the points lie, in any order, on a closed curve that a full turn draws", default=False
     )
-    bars: Literal[4, 6, 8] = entry(
-        "largest number of bars; 6 and 8 follow a closed path that few four-bars follow", default=4
+    bars: Literal[4, 5, 6, 7, 8] = entry(
+        "largest number of bars; more than 4 follow a closed path that few four-bars follow", default=4
     )
+    geared: bool = entry("whether five- and seven-bars with two geared cranks are searched for too", default=False)
     slides: bool = entry("true for a slider-crank, false for a four-bar", default=False)
     drive_deg: tuple[float, ...] | None = entry(
         "crank angles at the points, rising or falling; only differences count; free if left out",
@@ -314,6 +315,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
                 self.search.time_limit,
                 wanted.slides,
                 wanted.bars,
+                wanted.geared,
             )
         except DesignError as error:
             raise self._of_recipe(error) from None
@@ -361,7 +363,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
     @property
     def search_limits(self) -> tuple[float, float]:
         least, largest = self.limits.least_transmission_angle_deg, self.limits.largest_ratio
-        usual = (CHAIN_DEG, CHAIN_RATIO) if self.wanted.bars > 4 else (TOGGLE_DEG, LONGEST_RATIO)
+        usual = usual_limits(self.wanted.bars)
         return usual[0] if least is None else least, usual[1] if largest is None else largest
 
     def met_by(self, found: PathFound) -> tuple[Check, ...]:

@@ -1,10 +1,12 @@
-"""Four-, six- and eight-bars whose traced points follow a closed curve, both ways: from the curve and to the curve.
+"""Four- to eight-bars whose traced points follow a closed curve, both ways: from the curve and to the curve.
 
 Random chains with similar curves are refined by least squares, all at once, in rounds that keep the best; better ones
 grow from chains with two bars less. The work depends on the seed alone.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +15,7 @@ from ...core.records import record
 from ...plane.vec import Complex, Mask, Real, cross, dot
 from .closed_lines import evenly
 from .curve_library import TargetCurve, closed_paths, curve_library
-from .dyad_chains import CRANK, GROUND, PER_DYAD, Chains, extended, joined, traced
+from .dyad_chains import CRANK, GROUND, PER_DYAD, Chains, extended, joined, stacks, traced
 
 # Distance of the search's limits from the wanted ones: a margin in deg, and a factor of the ratio of lengths.
 MARGIN_DEG, MARGIN_RATIO = 1.0, 0.98
@@ -49,14 +51,15 @@ class CurveTask:
     def within(self, chains: Chains) -> Chains:
         """The chains with ground pivots moved into their boxes."""
         x = chains.x.copy()
-        x[:, 0], x[:, 1] = (_clipped(x[:, k], self.crank_box, k) for k in (0, 1))
-        parts = x[:, 2:-2].reshape(len(x), -1, PER_DYAD)
+        for k in range(chains.head):
+            x[:, k] = _clipped(x[:, k], self.ground_box if k > 1 else self.crank_box, k % 2)
+        parts = x[:, chains.head : -2].reshape(len(x), chains.dyads, PER_DYAD)
         for k in (0, 1, 2, 3):
             parts[..., k] = np.where(
                 chains.bodies[..., k // 2] == GROUND, _clipped(parts[..., k], self.ground_box, k % 2), parts[..., k]
             )
-        x[:, 2:-2] = parts.reshape(len(x), -1)
-        return Chains(chains.bodies, chains.signs, x)
+        x[:, chains.head : -2] = parts.reshape(len(x), -1)
+        return replace(chains, x=x)
 
 
 def _clipped(values: Real, box: Box, axis: int) -> Real:
@@ -67,8 +70,8 @@ def _clipped(values: Real, box: Box, axis: int) -> Real:
 def lengths(chains: Chains, derivatives: bool = True) -> tuple[Real, Real, Mask, Mask]:
     """Logarithms (s, m) of all lengths, their derivatives (s, m, p), which of them are links, and which exist.
 
-    A length is a link, the distance of a ground pivot or of a crank pin from the crank pivot, or the distance of any
-    two pins of a body.
+    A length is a link, the distance of a ground pivot from the crank pivot, that of a crank pin from its pivot, or the
+    distance of any two pins of a body.
     """
     s, n, p = len(chains), chains.dyads, chains.x.shape[1]
     bodies, pins = chains.bodies.reshape(s, 2 * n), chains.pins.reshape(s, 2 * n)
@@ -99,8 +102,8 @@ def lengths(chains: Chains, derivatives: bool = True) -> tuple[Real, Real, Mask,
     is_link = np.concatenate([np.ones((s, 2 * n), dtype=bool), is_link], axis=1)
     by = np.zeros((s, value.shape[1], p))
     if derivatives:
-        at_log = 2 + PER_DYAD * (np.arange(2 * n) // 2) + 4 + np.arange(2 * n) % 2
-        at_pin = 2 + PER_DYAD * (np.arange(2 * n) // 2) + 2 * (np.arange(2 * n) % 2)
+        at_log = chains.head + PER_DYAD * (np.arange(2 * n) // 2) + 4 + np.arange(2 * n) % 2
+        at_pin = chains.head + PER_DYAD * (np.arange(2 * n) // 2) + 2 * (np.arange(2 * n) % 2)
         by[:, np.arange(2 * n), at_log] = 1
         m = 2 * n + np.arange(apart.shape[1])
         by[row, m, at_pin[first]], by[row, m, at_pin[first] + 1] = by_pin.real, by_pin.imag
@@ -109,6 +112,13 @@ def lengths(chains: Chains, derivatives: bool = True) -> tuple[Real, Real, Mask,
         on_ground = (body == GROUND) & (second < 0)
         by[:, m, 0], by[:, m, 1] = (np.where(on_ground, -part, 0) for part in (by_pin.real, by_pin.imag))
         by[row, m, at_log[of]] += scaled & here[:, 2 * n :]
+    if chains.is_geared:
+        between = chains.x[:, 2] + 1j * chains.x[:, 3] - pivot
+        part, one = between / np.abs(between) ** 2, np.ones((s, 1), dtype=bool)
+        value = np.append(value, np.log(np.abs(between))[:, None], axis=1)
+        more = np.zeros((s, 1, p))
+        more[:, 0, :4] = np.stack([-part.real, -part.imag, part.real, part.imag], axis=1)
+        by, is_link, here = np.append(by, more, axis=1), np.append(is_link, one, axis=1), np.append(here, one, axis=1)
     return value, by, is_link, here
 
 
@@ -235,13 +245,13 @@ def refined(
     chains, cranks, places = state.chains, state.cranks, state.places
     p = chains.x.shape[1]
     damping = np.full(len(chains), 1e-2)
-    logs = 2 + np.add.outer(PER_DYAD * np.arange(chains.dyads), [4, 5]).ravel()
+    logs = chains.head + np.add.outer(PER_DYAD * np.arange(chains.dyads), [4, 5]).ravel()
     for _ in range(steps):
         diagonal = np.einsum("spp->sp", now.square)
         added = damping[:, None] * diagonal + 1e-9 * diagonal.max(axis=1, keepdims=True) + 1e-30
         step = -np.linalg.solve(now.square + added[..., None] * np.eye(p), now.gradient[..., None])[..., 0]
         step *= np.minimum(1, LONGEST_STEP / np.maximum(np.abs(step[:, logs]).max(axis=1), 1e-12))[:, None]
-        x = task.within(Chains(chains.bodies, chains.signs, chains.x + step))
+        x = task.within(replace(chains, x=chains.x + step))
         moved = now.traced + np.einsum("spt,sp->st", now.by[:, 1:], step)
         place, tangent = task.target.at(places)
         off = moved - place
@@ -255,7 +265,7 @@ def refined(
         new = linearised(task, State(x, new_cranks, new_places), along, limits, weights)
         better = new.cost < now.cost
         damping = np.clip(np.where(better, 0.3 * damping, 4 * damping), 1e-12, 1e8)
-        chains = Chains(chains.bodies, chains.signs, np.where(better[:, None], x.x, chains.x))
+        chains = replace(chains, x=np.where(better[:, None], x.x, chains.x))
         places, cranks = (np.where(better[:, None], a, b) for a, b in ((new_places, places), (new_cranks, cranks)))
         now = CurveFit(
             *(
@@ -270,9 +280,9 @@ def refined(
 
 @record(eq=False)
 class Effort:
-    """Work of a search for chains of so many dyads.
+    """Work of a search for chains of so many bars.
 
-    similar: chains of the library that are refined. grown: chains that grow from each of the best with a dyad less.
+    similar: chains of the library that are refined. grown: chains that grow from each of the best with two bars less.
     hops: shares by which the best are changed at random, one round each; copies: chains of a round.
     """
 
@@ -282,7 +292,13 @@ class Effort:
     copies: int = 240
 
 
-EFFORT = {1: Effort(300, 0, ()), 2: Effort(500, 60, (0.08,)), 3: Effort(900, 110, (0.12, 0.07, 0.04), 300)}
+EFFORT = {
+    4: Effort(300, 0, ()),
+    5: Effort(400, 0, (0.08,)),
+    6: Effort(500, 60, (0.08,)),
+    7: Effort(700, 80, (0.1, 0.05)),
+    8: Effort(1200, 110, (0.12, 0.07, 0.04), 300),
+}
 # Chains that are kept after each round, and the best that grow, hop and are finished.
 KEPT, BEST = (120, 24, 8), 8
 # Relative difference of costs below which two chains of one kind count as copies.
@@ -292,31 +308,32 @@ ROUNDS_OF_WEIGHTS, HEAVIEST = 8, 50.0
 
 
 class CurveSearch:
-    """A search for chains of at most so many bars; `best` has the best of each number of dyads as far as it came."""
+    """A search for chains of at most so many bars; `best` has the best of each number of bars as far as it came."""
 
-    def __init__(self, task: CurveTask, dyads: int, seed: int, watch: Watch, effort: float = 1.0):
-        self.task, self.dyads, self.watch, self.effort = task, dyads, watch, effort
+    def __init__(self, task: CurveTask, bars: int, is_geared: bool, seed: int, watch: Watch):
+        self.task, self.watch = task, watch
+        self.numbers = [number for number in range(4, bars + 1) if is_geared or number % 2 == 0]
         self.rng = np.random.default_rng(seed)
         self.best: dict[int, Chains] = {}
 
     def run(self) -> dict[int, Chains]:
-        """The best chains by number of dyads."""
-        for n in range(1, self.dyads + 1):
-            effort = EFFORT[n]
-            similar = curve_library(n).nearest(self.task.target, max(8, int(self.effort * effort.similar)))[0]
+        """The best chains by number of bars."""
+        for k, bars in enumerate(self.numbers):
+            effort = EFFORT[bars]
+            similar = curve_library(bars).nearest(self.task.target, effort.similar)[0]
             chains = self.halved(self.task.within(similar), first=True)
-            if effort.grown and len(self.best.get(n - 1, ())):
-                grown = self.halved(self.grown(self.best[n - 1], max(1, int(self.effort * effort.grown))))
+            if effort.grown and len(self.best.get(bars - 2, ())):
+                grown = self.halved(self.grown(self.best[bars - 2], effort.grown))
                 chains = self.chosen(joined([chains[0], grown[0]]), np.concatenate([chains[1], grown[1]]), BEST)
-            for k, share in enumerate(effort.hops):
-                near = self.halved(self.hopped(chains[0][:6], share, max(6, int(self.effort * effort.copies))))
+            for hop, share in enumerate(effort.hops, 1):
+                near = self.halved(self.hopped(chains[0], share, effort.copies))
                 chains = self.chosen(joined([chains[0], near[0]]), np.concatenate([chains[1], near[1]]), BEST)
-                self.watch.report((n - 1 + (k + 1) / (len(effort.hops) + 1)) / self.dyads)
-            self.best[n] = self.finished(chains[0])
+                self.watch.report((k + hop / (len(effort.hops) + 1)) / len(self.numbers))
+            self.best[bars] = self.finished(chains[0])
             if len(chains[1]):
                 best = np.sqrt(chains[1][0])
                 self.watch.what = f"linkages for the curve, so far {best:.2g} % of its size away (rms)"
-            self.watch.report(n / self.dyads)
+            self.watch.report((k + 1) / len(self.numbers))
         return self.best
 
     def halved(self, chains: Chains, first: bool = False) -> tuple[Chains, Real]:
@@ -348,13 +365,14 @@ class CurveSearch:
         return chains[good], cost[good]
 
     def chosen(self, chains: Chains, cost: Real, count: int) -> tuple[Chains, Real]:
-        """The best distinct chains, at most half of them of one kind."""
-        order = np.argsort(cost, kind="stable")
+        """The best distinct chains, at most half of them of one kind, and at most half of kinds that seldom stack."""
+        order, stacking = np.argsort(cost, kind="stable"), stacks(chains.bodies)
         rows: list[int] = []
         for row in order[np.isfinite(cost[order])].tolist():
             kind = [one for one in rows if (chains.bodies[row] == chains.bodies[one]).all()]
             copy = any(cost[row] <= cost[one] * (1 + COPY) + 1e-14 for one in kind)
-            if not copy and (chains.dyads == 1 or len(kind) < count / 2):
+            alike = kind if stacking[row] else [one for one in rows if not stacking[one]]
+            if not copy and (chains.dyads == 1 or len(alike) < count / 2):
                 rows.append(row)
             if len(rows) == count:
                 break
@@ -363,9 +381,8 @@ class CurveSearch:
     def grown(self, chains: Chains, count: int) -> Chains:
         """The chains with random third and fourth links of a dyad at the traced point, which stays where it is."""
         rows = np.repeat(np.arange(len(chains)), count)
-        ends = chains[rows]
-        traced_body = 2 * chains.dyads
-        others = np.array([b for b in range(2 + 2 * chains.dyads) if b != traced_body])
+        ends, traced_body = chains[rows], 2 * chains.dyads
+        others = np.array([b for b in range(-chains.is_geared, 2 + 2 * chains.dyads) if b != traced_body])
         pair = np.stack([np.full(len(rows), traced_body), others[self.rng.integers(0, len(others), len(rows))]], axis=1)
         return self.task.within(extended(ends, pair, self.rng, ends.x[:, -2] + 1j * ends.x[:, -1])[0])
 
@@ -375,15 +392,15 @@ class CurveSearch:
         spread = share * np.exp(self.rng.normal(size=(len(ends), 1)))
         change = spread * self.rng.normal(size=ends.x.shape)
         x = ends.x.copy()
-        logs = np.add.outer(2 + PER_DYAD * np.arange(ends.dyads), [4, 5]).ravel()
+        logs = np.add.outer(ends.head + PER_DYAD * np.arange(ends.dyads), [4, 5]).ravel()
         size = np.abs(ends.pins[:, 0, 0])[:, None]
         scale = np.maximum(np.abs(x), 0.1)
         scale[:, logs] = 1
-        scale[:, :2] = size
-        parts = scale[:, 2:-2].reshape(len(ends), -1, PER_DYAD)
+        scale[:, : ends.head] = size
+        parts = scale[:, ends.head : -2].reshape(len(ends), -1, PER_DYAD)
         parts[..., :4] = np.where(np.repeat(ends.bodies == GROUND, 2, axis=2), size[:, None], parts[..., :4])
-        scale[:, 2:-2] = parts.reshape(len(ends), -1)
-        return self.task.within(Chains(ends.bodies, ends.signs, x + scale * change))
+        scale[:, ends.head : -2] = parts.reshape(len(ends), -1)
+        return self.task.within(replace(ends, x=x + scale * change))
 
     def finished(self, chains: Chains) -> Chains:
         """The chains, and copies whose largest distances are smaller (least fourth powers)."""

@@ -14,8 +14,8 @@ from .dyad_chains import ANGLES, Chains, joined, random_chains, traced
 
 # Points of a wanted curve at equal arc lengths, and harmonics that are compared.
 POINTS, HARMONICS = 1024, 32
-# Random chains in the library by number of dyads, and how many are drawn at once.
-STORED, AT_ONCE = {1: 12_000, 2: 30_000, 3: 50_000}, 4_000
+# Random chains in the library by number of bars, and how many are drawn at once.
+STORED, AT_ONCE = {4: 12_000, 5: 15_000, 6: 30_000, 7: 40_000, 8: 50_000}, 4_000
 # Size of a wanted curve in the search: the diagonal of its box.
 SIZE = 100.0
 
@@ -149,11 +149,11 @@ def closed_paths(chains: Chains, angles: int = ANGLES) -> Complex:
 
 
 @cache
-def curve_library(dyads: int) -> CurveLibrary:
-    """The library of all kinds with so many dyads; it is made on first use, in about two seconds, and kept."""
-    rng, chains, harmonics, count = np.random.default_rng(dyads), [], [], 0
-    while count < STORED[dyads]:
-        drawn = random_chains(dyads, rng, AT_ONCE)
+def curve_library(bars: int) -> CurveLibrary:
+    """The library of all kinds with so many bars; it is made on first use, in about two seconds, and kept."""
+    rng, chains, harmonics, count = np.random.default_rng(bars // 2 - 1), [], [], 0
+    while count < STORED[bars]:
+        drawn = random_chains(bars, rng, AT_ONCE)
         of_them = harmonics_of(closed_paths(drawn))[0]
         good = np.flatnonzero(np.isfinite(of_them).all(axis=1))
         chains.append(drawn[good])

@@ -80,7 +80,8 @@ def path_generator(
     seed: Annotated[int, whole_between(0, 2**32 - 1)] = 0,
     time_limit: PositiveFloat = 30,
     slides: bool = False,
-    bars: Literal[4, 6, 8] = 4,
+    bars: Literal[4, 5, 6, 7, 8] = 4,
+    geared: bool = False,
 ) -> PathFound:
     """Find the linkage whose traced point passes through given points or follows a closed curve.
 
@@ -112,8 +113,10 @@ def path_generator(
         Longest processor time of the search from random linkages, s. The search usually ends by itself.
     slides : bool
         Whether a slider-crank is wanted instead of a four-bar.
-    bars : {4, 6, 8}
-        Largest number of bars. With 6 or 8 the points must be closed; `ranked` then also has linkages with fewer bars.
+    bars : {4, 5, 6, 7, 8}
+        Largest number of bars. With more than 4 the points must be closed; `ranked` then also has linkages with fewer.
+    geared : bool
+        Whether to search for five- and seven-bars as well, whose two cranks are coupled by gears.
 
     Returns
     -------
@@ -136,10 +139,13 @@ def path_generator(
     The search minimises the sum of squared distances. It compares tens of thousands of random linkages with the points
     in closed form and improves the best of them by least squares.
 
-    Six- and eight-bars are chains of dyads on one crank. Those of 50,000 random ones whose curves are most similar are
+    Six- and eight-bars are chains of dyads on one crank, five- and seven-bars on two cranks with a ratio of 1, 2 or 3,
+    in opposite senses or, with an idler, in one. Those of up to 50,000 random ones whose curves are most similar are
     refined by least squares of the distances both ways; others grow from the best with two bars less. The list leaves
     out a linkage if another is twice as near with no more bars, no longer links and no smaller transmission angle. The
-    same seed gives the same list unless the time limit ends the search, which takes about 15 s.
+    same seed gives the same list unless the time limit ends the search, which takes about 20 s. At most half
+    of the chains that are kept are of kinds whose plates mostly collide: a crank with several links, or a second dyad
+    without a pivot.
 
     Nine points without other conditions have a finite number of four-bars through them, up to 150. All are found, in 3
     to 30 s, whatever the time limit, and ranked, one of each three cognates. `path_count` states where the 1442 paths
@@ -158,8 +164,8 @@ def path_generator(
     """
     wanted = np.asarray(points, dtype=complex)
     boxes = ANYWHERE, ANYWHERE
+    _check_chain(bars, geared, {"closed": not closed, "drive_deg": drive_deg is not None, "slides": slides})
     if bars > 4:
-        _check_chain(bars, {"closed": not closed, "drive_deg": drive_deg is not None, "slides": slides})
         boxes, bounds = _boxes(bounds or {}), None
     targets, crank_angles = _used(wanted, drive_deg, closed)
     centre = complex(targets.mean())
@@ -167,11 +173,9 @@ def path_generator(
     if not size > max(SMALLEST, 1e-12 * abs(centre)):
         raise DesignError("points", "all are the same", "give points apart from each other", "conflict")
     low, high = bounds_of(bounds, slides, crank_angles is not None, centre, size)
-    is_bounded = bound_all_links(bounds, slides)
     if closed and bars > 4:
         _check_pivots(targets, boxes)
-    least = least_transmission_angle_deg
-    usual_deg, usual_ratio = (CHAIN_DEG, CHAIN_RATIO) if bars > 4 else (TOGGLE_DEG, LONGEST_RATIO)
+    least, usual = least_transmission_angle_deg, usual_limits(bars, bound_all_links(bounds, slides))
     path_search = PathSearch(
         points=targets,
         middle=centre,
@@ -181,10 +185,8 @@ def path_generator(
             turns=crank_angles,
             closed=closed,
             slides=slides,
-            least_transmission=np.radians(
-                (STUCK_DEG if is_bounded else usual_deg) if least is None else max(least, STUCK_DEG)
-            ),
-            largest_ratio=(ANY_RATIO if is_bounded else usual_ratio) if largest_ratio is None else largest_ratio,
+            least_transmission=np.radians(usual[0] if least is None else max(least, STUCK_DEG)),
+            largest_ratio=usual[1] if largest_ratio is None else largest_ratio,
             low=low,
             high=high,
         ),
@@ -193,6 +195,7 @@ def path_generator(
         seed=seed,
         time_limit=time_limit,
         bars=bars,
+        is_geared=geared,
         boxes=boxes,
         given=len(wanted) if len(wanted) > len(targets) else 0,
     )
@@ -210,7 +213,7 @@ def path_generator(
 
 @checked
 def nearest_linkages(
-    points: PathPoints, bars: Literal[4, 6, 8] = 8, count: Annotated[int, whole_between(1, 100)] = 6
+    points: PathPoints, bars: Literal[4, 5, 6, 7, 8] = 8, count: Annotated[int, whole_between(1, 100)] = 6
 ) -> tuple[tuple[AbstractLinkage, int], ...]:
     """Known linkages whose curves are most similar to a closed one, at once: no search, no limits.
 
@@ -218,8 +221,8 @@ def nearest_linkages(
     ----------
     points : array_like of complex, shape (n,)
         Points x + yj of the closed curve in their order, mm; 3 to 200,000.
-    bars : {4, 6, 8}
-        Number of bars.
+    bars : {4, 5, 6, 7, 8}
+        Number of bars; five- and seven-bars have geared cranks.
     count : int
         Number of linkages.
 
@@ -246,14 +249,24 @@ def nearest_linkages(
     target = target_curve(loop(curve))
     if not target.scale > SMALLEST:
         raise DesignError("points", "all are the same", "give points apart from each other", "conflict")
-    chains, _ = curve_library(bars // 2 - 1).nearest(target, count)
+    chains, _ = curve_library(bars).nearest(target, count)
     return tuple(linkage_of(chains, k, target.scale, target.middle) for k in range(len(chains)))
 
 
-def _check_chain(bars: int, wrong: Mapping[str, bool]) -> None:
-    """Refuse arguments that six- and eight-bars do not take; wrong: whether each is given."""
-    for field in (name for name, is_wrong in wrong.items() if is_wrong):
-        problem = f"{bars} bars follow closed curves without crank angles and without a slider"
+def usual_limits(bars: int, is_bounded: bool = False) -> tuple[float, float]:
+    """Least transmission angle, deg, and largest ratio of links by default; is_bounded: whether all lengths are."""
+    if bars > 4:
+        return CHAIN_DEG, CHAIN_RATIO
+    return (STUCK_DEG, ANY_RATIO) if is_bounded else (TOGGLE_DEG, LONGEST_RATIO)
+
+
+def _check_chain(bars: int, geared: bool, wrong: Mapping[str, bool]) -> None:
+    """Refuse arguments that linkages of more than four bars do not take; wrong: whether each is given."""
+    if (geared and bars == 4) or (not geared and bars % 2):
+        problem, remedy = f"{bars} bars with geared = {str(geared).lower()}", "give geared = true with 5 to 8 bars"
+        raise DesignError("bars", problem, f"{remedy}, or 4, 6 or 8 bars without", "conflict")
+    for field in (name for name, is_wrong in wrong.items() if is_wrong and bars > 4):
+        problem = "more than four bars follow closed curves without crank angles and without a slider"
         raise DesignError(field, problem, "give closed = true without crank angles and slides, or 4 bars", "conflict")
 
 

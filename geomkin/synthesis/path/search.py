@@ -113,8 +113,8 @@ class PathFound(Found):
 
     @property
     def bars(self) -> int:
-        """Number of bars, with the ground."""
-        return len(self.linkage.linkage.bodies)
+        """Number of bars, with the ground and without an idler."""
+        return sum(len(points) > 1 for points in self.linkage.linkage.bodies.values())
 
     @property
     def accuracy(self) -> str:
@@ -315,6 +315,7 @@ class PathSearch:
     seed: int
     time_limit: float
     bars: int = 4
+    is_geared: bool = False
     boxes: tuple[Box, Box] = (ANYWHERE, ANYWHERE)
     given: int = 0
 
@@ -403,7 +404,7 @@ class PathSearch:
         boxes = [(in_units(low, target), in_units(high, target)) for low, high in self.boxes]
         limits = float(np.degrees(self.task.least_transmission)), self.task.largest_ratio
         task = CurveTask(target, *limits, LONGEST * SIZE, *boxes)
-        return target, list(CurveSearch(task, self.bars // 2 - 1, seed, watch).run().values())
+        return target, list(CurveSearch(task, self.bars, self.is_geared, seed, watch).run().values())
 
     def closed_four_bars(self, rng: np.random.Generator, watch: Watch) -> tuple[Real, Real, Real]:
         """`searched` for closed paths: the best two ways, and these with the least squares of the points alone."""
@@ -425,7 +426,7 @@ class PathSearch:
         return x[good], nearest_from(self.task, x[good], t[good], branch[good]), branch[good]
 
     def chains(self, number: int, watch: Watch) -> list[PathFound]:
-        """Four-, six- and eight-bars for a closed path, each measured by its motion alone."""
+        """Four- to eight-bars for a closed path, each measured by its motion alone."""
         target, found = self._curve_search(int(np.random.default_rng([self.seed, number]).integers(2**32)), watch)
         made = (
             self.measured(*linkage_of(chains, k, target.scale, target.middle))
