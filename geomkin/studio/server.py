@@ -220,11 +220,13 @@ class Studio:
             return {**answer("", {}, {}), "text": text, "problems": [entry]}
 
     def _opened(self, draft: Draft) -> AbstractRecipe:
-        key = (draft.text, draft.name, tuple(sorted(draft.files.items())))
+        key = (draft.text, tuple(sorted(draft.files.items())))
         last = self._last
         if last is None or last[0] != key:
-            last = (key, draft.opened(draft.table()))
-            self._last = last
+            last = self._last = (key, draft.opened(draft.table()))
+        elif last[1].name != draft.name:
+            # Saved under a name: what was found stays.
+            last = self._last = (key, last[1].with_name(draft.name))
         return last[1]
 
     def _made(self, text: str, name: str) -> dict[str, Any]:
