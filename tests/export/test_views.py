@@ -60,8 +60,10 @@ def test_base_circle_of_a_cam_is_drawn_apart_from_its_profile_only():
 
 
 def test_gears_in_a_machine_have_their_data_and_mates():
-    recipe = gk.load("recipes/geared-legs.toml")
-    made = words(drawing(recipe))
+    train = {"kind": "gear-train", "train": {"stages": [[12, 36], [12, 48]], "module": 1, "directions_deg": [-90, -60]}}
+    legs = {"kind": "four-bar", "linkage": {"ground": 50, "crank": 15, "coupler": 45, "rocker": 35}}
+    mechanisms = {"train": {"recipe": train}, "leg": {"recipe": legs, "turned_by": "train.driven_2"}}
+    made = words(drawing(gk.load({"kind": "machine", "mechanisms": mechanisms})))
     assert made.count("mate") == 4 and made.count("driven_1, 36 teeth") == 1
 
 
