@@ -1,12 +1,15 @@
-"""The pages of the site that are made from the package: gallery, keys, checks, terms, commands and the Python names."""
+"""The pages of the site that are made from the package: gallery, keys, checks, terms, commands, examples in
+print and the Python names."""
 
 import json
 import shutil
 from pathlib import Path
 
+from published import published_pages
+
 import geomkin as gk
-from geomkin.cli.explanations import CHECKS, TERMS
 from geomkin.core.reprs import clipped
+from geomkin.model.explanations import CHECKS, REFUSALS, TERMS
 from geomkin.recipe.kinds import all_kinds, gallery, recipe_class
 from geomkin.recipe.template import schema
 
@@ -19,11 +22,12 @@ def write_pages(docs: Path, site: Path) -> None:
     """Write all pages into `docs/generated`, and copy the moving pages of the gallery into the site."""
     folder = docs / "generated"
     shutil.rmtree(folder, ignore_errors=True)
-    (folder / "keys").mkdir(parents=True)
+    for name in ("keys", "published"):
+        (folder / name).mkdir(parents=True)
     moving = copy_moving_pages(docs.parent / "out", site)
     (folder / "static").mkdir()
     (folder / "static" / "moving.js").write_text(f"const MOVING = {json.dumps(moving)};\n", "utf-8")
-    for name, text in {**pages(docs.parent, moving), **key_pages()}.items():
+    for name, text in {**pages(docs.parent, moving), **key_pages(), **published_pages()}.items():
         (folder / name).write_text(text, "utf-8")
 
 
@@ -80,7 +84,8 @@ def checks_page() -> str:
     for id, entry in CHECKS.items():
         text += f"\n({id})=\n## {entry['name']}\n\n`{id}`: {entry['meaning']}\n\n"
         text += f"- Limit: {entry['limit']}\n- Remedy: {entry['remedy']}\n"
-    return text
+    text += "\n## Refusals: why a recipe is not made\n\nThe id is in the JSON of `--json`, and in `error.problems` in Python.\n"
+    return text + "".join(f"\n### {id}\n\n{about}\n" for id, about in REFUSALS.items())
 
 
 def python_page() -> str:

@@ -74,6 +74,10 @@ class FailedChecksError(GeomkinError):
     ----------
     made : Made
         The files, and all checks.
+
+    See Also
+    --------
+    Check, make
     """
 
     def __init__(self, made: Made):
@@ -105,6 +109,10 @@ def load(source: Readable) -> AbstractRecipe:
         If a file cannot be read.
     RecipeError
         With every problem, key by key.
+
+    See Also
+    --------
+    make, edit, scaled, write
 
     Examples
     --------
@@ -158,6 +166,10 @@ def make(
         If a file cannot be written. After either error each file is the old one or the complete new one.
     FailedChecksError
         If `strict` and a check failed.
+
+    See Also
+    --------
+    load, verify, index, write, show
     """
     made, contents = computed(recipe, only)
     folder = Path(out) / made.name
@@ -194,9 +206,14 @@ def check_recipe(recipe: AbstractRecipe | Readable) -> Made:
 
 
 def computed(
-    recipe: AbstractRecipe | Readable, only: Sequence[Format] | None = None
+    recipe: AbstractRecipe | Readable,
+    only: Sequence[Format] | None = None,
+    certificate: tuple[tuple[str, ...], ...] = (),
 ) -> tuple[Made, Mapping[str, bytes]]:
-    """The results of a recipe, and the contents of its files by name, of these formats or of those that it names."""
+    """The results of a recipe, and the contents of its files by name, of these formats or of those that it names.
+
+    certificate: rows of the results of verifying the files, for the report.
+    """
     file, recipe = _with_file(recipe)
     offered = WRITERS if only and recipe.files.wants_all else recipe.files.write
     wanted = [name for name in offered if only is None or name in only]
@@ -207,13 +224,14 @@ def computed(
     name = valid_recipe_name(file, recipe.name or recipe.kind)
     with errors_named_by_key(file, recipe):
         results = ShownRecipe(recipe)
-        checks, job = results.checks, _job(name, recipe, recipe.files)
+        checks = results.checks
+        job = dataclasses.replace(_job(name, recipe, recipe.files), certificate=certificate)
         wanted = wanted if only else _formats_of(recipe)
         written = {name: WRITERS[name].write(job) for name in WRITERS if name in wanted}
         contents = {file: content for files in written.values() for file, content in files.items()}
         found_file = {}
         if isinstance(recipe, AbstractGoal):
-            found_recipe = dataclasses.replace(recipe.design, units=recipe.units)
+            found_recipe = dataclasses.replace(recipe.design, units=recipe.units, printing=recipe.printing)
             found_file[f"{name}{FOUND}"] = to_toml(found_recipe).encode()
         contents |= {**found_file, NAME: summary(job, _data(recipe), checks, _notes(recipe), written, list(found_file))}
         facts, remarks = _facts(results), results.remarks
@@ -249,6 +267,10 @@ def index(out: PathName = "out") -> dict[Path, int]:
     ------
     FileError
         If the folder has no recipes, has a foreign index.html, or cannot be written.
+
+    See Also
+    --------
+    make
     """
     folder = Path(out)
     # Imported here, since a run of a single recipe needs no index.
@@ -297,6 +319,10 @@ def write(
         If the source has no such format.
     FileError
         If a file cannot be written. After either error each file is the old one or the complete new one.
+
+    See Also
+    --------
+    load, make
     """
     path = Path(path)
     files = source.files if isinstance(source, AbstractRecipe) else Files(labels=False)
@@ -364,6 +390,8 @@ def _job(name: str, source: AbstractRecipe | StaticSource, files: Files) -> Job:
         return job
     stamp = str(Stamp(recipe_hash(_data(source)), files.tolerance))
     unit, about = UNITS[source.units], ShownRecipe(source).introduction
+    if (printing := source.printing) is not None:
+        job = dataclasses.replace(job, growth=printing.growth, foot=printing.foot)
     return dataclasses.replace(job, about=about, recipe=partial(to_toml, source), stamp=stamp, unit=unit)
 
 

@@ -43,6 +43,8 @@ KINDS_BY_GROUP.update({
     },
     "cams": {
         "disk-cam": "geomkin.cam.kinds.disk_cam:DiskCamRecipe",
+        "groove-cam": "geomkin.cam.kinds.groove_cam:GrooveCamRecipe",
+        "conjugate-cams": "geomkin.cam.kinds.conjugate_cams:ConjugateCamsRecipe",
     },
     "gears": {
         "spur-gear": "geomkin.gear.kinds.single_gears:SpurGearRecipe",

@@ -26,7 +26,7 @@ ORDER = (
     ("synthesis",),
     ("machine",),
     ("build",),
-    ("sweeps", "tradeoff", "optimisation", "studio", "verification"),
+    ("sweeps", "tradeoff", "optimisation", "studio", "verification", "foreign"),
     ("cli",),
     ("face",),
     ("__init__", "__main__"),

@@ -15,7 +15,7 @@ from geomkin.build import check_recipe
 from geomkin.core.errors import Problem
 from geomkin.recipe.kinds import kind_names
 from geomkin.recipe.load import plain_table
-from geomkin.recipe.messages import NOT_OFFERED, did_you_mean
+from geomkin.recipe.messages import NOT_OFFERED, did_you_mean, nearest_kind
 
 GALLERY = Path(__file__).parent.parent / "recipes"
 PAIR = str(Path(__file__).parent / "cases/pair-without-backlash.toml")
@@ -46,6 +46,8 @@ def lines_of(made, every=True):
     """The lines of a recipe: its checks, remarks and facts; of several recipes, without passed checks and facts."""
     passed = sum(check.passed for check in made.checks)
     checks = [f"  {'pass' if c.passed else 'FAIL'}  {c}" for c in made.checks if every or not c.passed]
+    if failed := [check.id for check in made.checks if not check.passed]:
+        checks.append(f"  more  geomkin explain {' '.join(failed[:6])}")
     remarks, facts = [f"  note  {remark}" for remark in made.remarks], [f"        {fact}" for fact in made.facts]
     return [f"{made.name}: {passed} of {len(made.checks)} checks passed", *checks, *remarks, *(facts if every else [])]
 
@@ -159,6 +161,33 @@ def test_list_searches_names_and_descriptions_of_kinds_and_recipes_of_the_galler
 )
 def test_a_longer_name_of_a_kind_is_recognised_and_another_mechanism_is_not(name, kind):
     assert did_you_mean(name, kind_names()).rstrip("? ").removeprefix("did you mean ") == kind
+
+
+@pytest.mark.parametrize("name", ["klann", "peaucellier", "wiper-pair"])
+def test_new_prints_a_recipe_of_the_gallery_by_its_name(name):
+    result = CliRunner().invoke(commands.cli, ["new", name])
+    assert result.exit_code == 0 and gk.load(result.output).design == gk.load(GALLERY / f"{name}.toml").design
+
+
+@pytest.mark.parametrize(
+    "name, recipes",
+    [
+        ("klann-linkage", ["klann"]),
+        ("hoeken", ["hoecken"]),
+        ("straight line", ["hoecken", "peaucellier", "watt"]),
+        ("../recipes/klann", ["klann"]),
+        ("gripper", ["parallel-gripper"]),
+    ],
+)
+def test_a_name_that_is_no_kind_names_the_recipes_of_the_gallery_that_fit(name, recipes):
+    result = CliRunner().invoke(commands.cli, ["new", name])
+    assert result.exit_code == 2 and all(recipe in result.output for recipe in recipes)
+
+
+@pytest.mark.parametrize("name", ["hypoid", "lead screw", "universal joint", "strain-wave", "v-belt", "barrel-cam"])
+def test_mechanisms_that_are_not_planar_have_a_nearest_kind(name):
+    nearest = nearest_kind(name, kind_names())
+    assert any(kind in nearest for kind in kind_names())
 
 
 @pytest.mark.parametrize("words", [("new", "worm-gear"), ("list", "worm gear")])

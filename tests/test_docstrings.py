@@ -2,6 +2,7 @@
 
 import doctest
 import inspect
+import re
 from importlib import import_module
 from pathlib import Path
 
@@ -43,3 +44,12 @@ def test_public_functions_describe_parameters_and_results():
                 if any(f"\n    {section}\n    ---" not in (thing.__doc__ or "") for section in sections):
                     incomplete.add(name)
     assert not incomplete
+
+
+def test_public_names_lead_to_others():
+    """The section See Also of each names what is used with it, and all are public."""
+    public = [name for name in gk.__all__ if not hasattr(getattr(gk, name), "__path__")]
+    for name in public:
+        section = re.search(r"See Also\n-+\n(.+?)(?:\n\n|$)", inspect.getdoc(getattr(gk, name)), re.DOTALL)
+        named = re.findall(r"\w+", section[1])
+        assert set(named) <= set(public) - {name}, name

@@ -4,6 +4,12 @@ document.addEventListener("DOMContentLoaded", () => {
   const pictures = [...document.querySelectorAll(".bd-article img:not(.card-picture)")];
   const found = pictures.map((picture) => [picture, recipeOf(picture.getAttribute("src"))]).filter(([, name]) => name);
   found.forEach(([picture, name], k) => (k ? offer(picture, name) : start(picture, name)));
+  // Names of the theme's controls for those who hear them: what is written on them, or the page that they open.
+  document.querySelector(".navbar-persistent--container > .search-button__button")?.removeAttribute("aria-label");
+  for (const summary of document.querySelectorAll(".bd-sidebar summary")) {
+    const link = summary.closest("li")?.querySelector("a");
+    if (link && !summary.textContent.trim()) summary.setAttribute("aria-label", `Pages below ${link.textContent}`);
+  }
 
   function recipeOf(address) {
     const file = address.split("/").pop();

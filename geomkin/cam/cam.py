@@ -46,6 +46,11 @@ class Cam:
         If the follower cannot ride on such a cam, if the units of the lifts do not suit the follower, or if the
         programme has more than 500 smooth stretches.
 
+    See Also
+    --------
+    Program, TranslatingRoller, TranslatingFlat, OscillatingRoller, OscillatingFlat, pressure_angle,
+    undercut
+
     Notes
     -----
     The cam angle, rad, is the rotation of the cam since the drawn position; it rises with time in either direction.

@@ -77,6 +77,10 @@ def pressure_angle(cam: Cam, angle: float | ArrayLike) -> Real:
         in which the cam's surface passes under the follower; for an oscillating one, if the force pulls the arm away
         from its pivot.
 
+    See Also
+    --------
+    Cam, undercut, curvature
+
     Notes
     -----
     Above about 30 deg (45 deg for an arm) the follower binds. Rothbart, Cams (1956), on pressure angle; the sign is a
@@ -132,6 +136,12 @@ def tightest_convex(cam: Cam) -> tuple[float, float]:
     A roller of a larger radius undercuts the cam. The radius is inf if the pitch curve is nowhere convex.
     """
     curvature, angle = largest(cam.program.breaks, lambda t: convex_curvature(cam, t))
+    return (1 / curvature if curvature > 0 else np.inf), angle
+
+
+def tightest_concave(cam: Cam) -> tuple[float, float]:
+    """Least radius of curvature of the concave parts of the pitch curve, mm, inf if none, and its cam angle, rad."""
+    curvature, angle = largest(cam.program.breaks, lambda t: -convex_curvature(cam, t))
     return (1 / curvature if curvature > 0 else np.inf), angle
 
 

@@ -20,7 +20,6 @@ from ..making.assembly import (
     collar_across,
     collar_width,
     pin_bill,
-    seated,
     standing_plate,
 )
 from ..making.bores import AbstractBored, bore, fits_of, shaft
@@ -54,11 +53,13 @@ def cam_base(
     thickness: float,
     base: BaseStock,
     motor: MountedMotorKey | None = None,
+    collar: float = 0.0,
 ) -> Part:
     """The base under a cam and its follower, in the ground's frame, with the cam's axis at the origin.
 
     plates: from `guided_plates`; their holes `pivot_bore` lie over the pivot, or over the slot in which the pins slide.
     shafts: diameters of `bore` and `pivot_bore`, mm. motor: the motor that drives the cam; the base then has its holes.
+    collar: diameter of what is on the cam shaft in the layer of the bar, mm.
     Raises DesignError if there is no room. Derived here.
     """
     lifts = np.linspace(*_lift_limits(cam), POSITIONS)
@@ -69,9 +70,9 @@ def cam_base(
     openings = _openings(cam, pin_paths, shafts, motor)
     chords = CHORDS * cam.prime_radius
     bars = [origin + direction * flatten(p.outline, chords) for p in plates if p.name != "roller"]
-    if cam.follower.knife_edge is not None:
+    if cam.follower.knife_edge is not None and not any(plate.window for plate in plates):
         for bar in bars:
-            _check_shaft(bar, shafts["bore"])
+            _check_shaft(bar, shafts["bore"], collar)
     radius = np.abs(cut.outline.point(samples(cut.outline.breaks))).max() + chords
     cam_box = np.array([-radius - 1j * radius, radius + 1j * radius])
     points = np.concatenate([cam_box, *(z.ravel() for z in bars), *_roller_boxes(cam)])
@@ -115,8 +116,9 @@ def _roller_boxes(cam: Cam) -> Iterator[Complex]:
         yield from (centre + radius * corner for corner in (1 + 1j, -1 - 1j))
 
 
-def _check_shaft(bar: Complex, shaft: float) -> None:
-    """Refuse a bar between cam and base that the cam's shaft would meet; outline (positions, points)."""
+def _check_shaft(bar: Complex, bore: float, collar: float) -> None:
+    """Refuse a bar that the cam's shaft, or the collar on it, would meet; outline (positions, points)."""
+    shaft = max(bore, collar)
     edge = np.roll(bar, -1, axis=1) - bar
     share = np.clip(np.real(-bar * np.conj(edge)) / np.maximum(np.abs(edge) ** 2, 1e-300), 0, 1)
     room = float(np.abs(bar + share * edge).min())
@@ -124,13 +126,14 @@ def _check_shaft(bar: Complex, shaft: float) -> None:
     if inside or room <= shaft / 2:
         raise DesignError(
             "stock.bar_width",
-            f"the follower's bar, between cam and base, meets the cam shaft of {mm(shaft):g}",
+            f"the follower's bar meets the {'collar on the ' if collar > bore else ''}cam shaft of {mm(shaft):g}",
             f"give a bore of less than {mm(2 * room):down}, narrower bars or a larger base_radius"
-            if room and not inside
+            if room and not inside and not collar
             else "give narrower bars or a larger base_radius",
         )
 
 
+TIMING_STEP = "the timing line is under the follower at cam angle 0; the arrow shows the direction of rotation"
 # Timing mark, as shares of the ring between the hole and the base circle: both ends of the line, and the arrow's
 # radius.
 LINE, ARROW = (0.2, 0.9), 0.55
@@ -252,16 +255,17 @@ def cam_parts(
     ['cam', 'roller']
     """
     cut = cut or undercut(cam)
-    plate = _cam_plate(cam, stock, cut)
+    plate = cam_plate(cam, stock, cut)
     plates = follower_plates(cam, stock, base)
     if base is None:
-        return [plate, *(_follower_part(other, stock) for other in plates), *stock.motor_parts]
-    parts = [replace(plate, hole_names=("A",)), *(_follower_part(other, stock, LETTERS) for other in plates)]
+        return [plate, *(follower_part(other, stock) for other in plates), *stock.motor_parts]
+    parts = [replace(plate, hole_names=("A",)), *(follower_part(other, stock, LETTERS) for other in plates)]
     shafts = {"bore": stock.bore, "pivot_bore": stock.pivot_bore}
     return [*parts, cam_base(cam, cut, plates, shafts, stock.thickness, base, stock.motor)]
 
 
-def _follower_part(plate: FollowerPlate, stock: CamStock, letters: Mapping[str, str] | None = None) -> Part:
+def follower_part(plate: FollowerPlate, stock: CamStock, letters: Mapping[str, str] | None = None) -> Part:
+    """A plate of the follower with its holes; letters: by the keys of their diameters, none without a base."""
     circles: list[Circle] = []
     names: list[str] = []
     fits: list[HoleFit] = []
@@ -273,7 +277,7 @@ def _follower_part(plate: FollowerPlate, stock: CamStock, letters: Mapping[str, 
     return Part(
         plate.name,
         plate.outline,
-        tuple(circles),
+        (*circles, *([plate.window] if plate.window else [])),
         stock.thickness,
         body=plate.name,
         hole_names=tuple(names),
@@ -282,7 +286,8 @@ def _follower_part(plate: FollowerPlate, stock: CamStock, letters: Mapping[str, 
     )
 
 
-def _cam_plate(cam: Cam, stock: CamStock, cut: Undercut) -> Part:
+def cam_plate(cam: Cam, stock: CamStock, cut: Undercut) -> Part:
+    """The plate of a cam with its bore and its timing mark."""
     narrowest = 2 * float(np.abs(cut.outline.point(samples(cut.outline.breaks))).min())
     start = complex(cam.profile.point(0.0))
     towards = start / abs(start)
@@ -313,20 +318,26 @@ def follower_plates(cam: Cam, stock: CamStock, base: BaseStock | None) -> tuple[
     return plates(stock.bars, cam.program, cam.base_radius, cam.sense)
 
 
-def pin_masses(cam: Cam, stock: CamStock, base: BaseStock | None) -> dict[str, Mass]:
-    """Masses of the steel pins that are glued into the follower's plates, with their collars, by the plate."""
-    plates: dict[str, Mass] = {}
-    for plate in follower_plates(cam, stock, base):
+def pin_masses(
+    plates: Sequence[FollowerPlate], stock: CamStock, base: BaseStock | None, layers: int = 2
+) -> dict[str, Mass]:
+    """Masses of the steel pins that are glued into the follower's plates, with their collars, by the plate.
+
+    layers: number of sheets that a pin passes over a base.
+    """
+    masses: dict[str, Mass] = {}
+    for plate in plates:
         for hole in plate.holes if plate.name != "roller" else ():
             diameter, collar = hole.diameter, 0.0
             if hole.key == "roller_bore" or base is not None:
                 collar = collar_width(diameter)
-            length = (1 if base is None else 2) * stock.thickness if hole.key == "pivot_bore" else 2 * stock.thickness
+            sheets = (1 if base is None else layers) if hole.key == "pivot_bore" else 2
+            length = sheets * stock.thickness
             rings = (collar_across(diameter) ** 2 - diameter**2) * collar
             volume = np.pi / 4 * (diameter**2 * (length + collar) + rings) if diameter else 0.0
             mass = Mass(STEEL_DENSITY * 1e-9 * volume, hole.centre)
-            plates[plate.name] = plates[plate.name] + mass if plate.name in plates else mass
-    return plates
+            masses[plate.name] = masses[plate.name] + mass if plate.name in masses else mass
+    return masses
 
 
 @checked
@@ -355,14 +366,18 @@ def cam_bought(cam: Cam, stock: CamStock = CamStock(), base: BaseStock | None = 
     return cam_assembly(cam, stock, base).bought
 
 
-def cam_assembly(cam: Cam, stock: CamStock, base: BaseStock | None) -> Assembly:
-    """Items to buy for a cam and its follower, and the steps of assembly."""
+def cam_assembly(cam: Cam, stock: CamStock, base: BaseStock | None, snaps: bool = False) -> Assembly:
+    """Items to buy for a cam and its follower, and the steps of assembly. snaps: whether pins are printed."""
     follower, thick = cam.follower, stock.thickness
     plates = follower_plates(cam, stock, base)
     bars = [plate for plate in plates if plate.name != "roller"]
     # A roller runs in the plane of the cam, and its bar lies under both; a face lies in the plane of the cam.
     has_bar_below = bool(bars) and follower.knife_edge is not None
-    builder = AssemblyBuilder("" if base is None else "base", thick, base, base is not None, stock.motor)
+    if snaps and (base is None or has_bar_below or not follower.oscillates):
+        problem = "found snap, but only a flat face on an arm, over a base, turns on printed pins"
+        remedy = 'give follower.kind = "oscillating-flat" and a base, or "bought"'
+        raise DesignError("printing.pins", problem, remedy, "conflict")
+    builder = AssemblyBuilder("" if base is None else "base", thick, base, base is not None, stock.motor, snaps)
     layer = builder.lowest + has_bar_below
     gap = thick if base is not None and has_bar_below else 0.0
     builder.shaft("A", "cam", stock, (0.0 if base is None else thick) + gap + thick, layer, gap)
@@ -373,15 +388,13 @@ def cam_assembly(cam: Cam, stock: CamStock, base: BaseStock | None) -> Assembly:
         _add_roller(builder, plates, stock, layer)
     # A tube keeps the cam above the follower; on a motor the motor's shaft holds the cam.
     height = f", {mm(gap):g} above base" if gap and stock.motor else ""
-    builder.add_step(layer, seated("cam", "A" if builder.lettered else "", stock) + f"{height}, with the drawn side up")
+    builder.add_step(layer, builder.seated("cam", "A", stock) + f"{height}, with the drawn side up")
     if stock.timing_mark:
-        builder.add_step(
-            layer, "the timing line is under the follower at cam angle 0; the arrow shows the direction of rotation"
-        )
+        builder.add_step(layer, TIMING_STEP)
     held = plates[0].name if plates else "the follower"
     builder.add_last_step(f"supply a spring or weight that holds {held} on cam")
     if base is None:
-        builder.add_last_step(_unheld(cam, bool(bars), stock))
+        builder.add_last_step(unheld(cam, bool(bars), stock))
     return builder.build()
 
 
@@ -396,6 +409,10 @@ def _bar_steps(
     pivot_holes = [hole for hole in plate.holes if hole.key == "pivot_bore" and hole.diameter]
     count, swings = len(pivot_holes), plate.name == "arm"
     letter = LETTERS["pivot_bore"]
+    if builder.snaps:
+        builder.snap_pin(letter, stock, stock.pivot_bore, 2 * stock.thickness, builder.lowest)
+        yield f"lay {plate.name}"
+        return
     if pivot_holes and base is not None:
         pins = f"{count} pins {letter}" if count > 1 else f"pin {letter}"
         builder.pins(letter, plate.name, stock.pivot_bore, 2 * stock.thickness, count, under=True)
@@ -426,7 +443,7 @@ def _add_roller(builder: AssemblyBuilder, plates: tuple[FollowerPlate, ...], sto
     builder.add_step(layer, f"lay roller on {pin_name} so that it turns freely; fit a collar on {pin_name}, with play")
 
 
-def _unheld(cam: Cam, has_bar: bool, stock: CamStock) -> str:
+def unheld(cam: Cam, has_bar: bool, stock: CamStock) -> str:
     """The step for parts that nothing holds without a base."""
     follower = cam.follower
     if follower.oscillates:

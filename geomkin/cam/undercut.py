@@ -144,6 +144,10 @@ def undercut(cam: Cam) -> Undercut:
     Undercut
         The trimmed outline, and the ranges of cam angles with undercut.
 
+    See Also
+    --------
+    Cam, pressure_angle
+
     Notes
     -----
     The curve of all contacts divides the plane. The cam is the region that contains the axis; every other region is

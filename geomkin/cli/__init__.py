@@ -32,7 +32,7 @@ def cli(context: click.Context) -> None:
 
 for command in (
     write.run, write.verify_command, write.new_kind, write.sweep_command, write.optimise_command, write.chart_command,
-    show.check_command, show.columns_command, show.explain, show.list_command, show.new, show.schema_command,
-    show.studio,
+    show.check_command, show.columns_command, show.examples_command, show.explain, show.import_command,
+    show.list_command, show.new, show.schema_command, show.studio,
 ):  # fmt: skip
     cli.add_command(command)

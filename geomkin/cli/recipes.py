@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 R = TypeVar("R")
 # Exit status if checks failed, with --strict.
 FAILED = 3
+# Largest number of failed checks whose explanation is offered in one line.
+MOST_EXPLAINED = 6
 # Remedy if memory runs out.
 LARGER = "give a larger tolerance"
 
@@ -236,6 +238,9 @@ def print_results(outcomes: Outcomes[Made]) -> None:
                 click.secho(f"  FAIL  {harmless(check)}", fg="yellow")
             elif all_lines:
                 click.echo(f"  pass  {harmless(check)}")
+        if result.failed_checks:
+            ids = [check.id for check in result.checks if not check.passed]
+            click.echo(f"  more  geomkin explain {harmless(' '.join(ids[:MOST_EXPLAINED]))}")
         for remark in result.remarks:
             click.secho(f"  note  {harmless(remark)}", fg="yellow")
         for fact in result.facts if all_lines else ():

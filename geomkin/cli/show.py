@@ -1,4 +1,4 @@
-"""The commands that print or show something: check, columns, explain, list, new, schema, studio."""
+"""The commands that print or show something: check, columns, examples, explain, import, list, new, schema, studio."""
 
 from __future__ import annotations
 
@@ -59,23 +59,66 @@ def columns_command(recipe: Path) -> None:
 
 
 @click.command()
-@click.argument("words", nargs=-1, required=True, metavar="ID_OR_TERM")
+@click.argument("words", nargs=-1, required=True, metavar="ID_OR_TERM...")
 def explain(words: tuple[str, ...]) -> None:
-    """Explain a check, by its id, or a term of the field.
+    """Explain checks and refusals, by their ids, or a term of the field.
 
-    The id of a check is that of `summary.json`, such as `transmission_angle` or `wall_rocker`.
+    The id of a check is that of `summary.json`, such as `transmission_angle` or `wall_rocker`; that of a refusal is in
+    the output of `--json`, such as `out-of-range`.
     """
     from ..core.errors import harmless, printable
+    from ..model.explanations import CHECKS, REFUSALS, TERMS, explained
     from ..recipe.messages import did_you_mean
-    from .explanations import CHECKS, TERMS, explained
 
     text = " ".join(words)
-    found = explained(text)
+    # A term may have several words; otherwise each word is an id.
+    each = [explained(word) for word in words]
+    found = explained(text) if len(words) == 1 or None in each else "\n".join(filter(None, each))
     if found is None:
-        known = [*CHECKS, *TERMS]
+        known = [*CHECKS, *REFUSALS, *TERMS]
         remedy = f"{did_you_mean(text, known)}the terms are {', '.join(TERMS)}"
         raise click.BadParameter(f"nothing is known of {printable(text)!r}; {remedy}", param_hint="ID_OR_TERM")
     click.echo("\n".join(map(harmless, found.split("\n"))))
+
+
+@click.command("import")
+@click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
+def import_command(file: Path) -> None:
+    """Print a recipe with the linkage of a FILE of pylinkage, PMKS+ or Linkage.
+
+    FILE is JSON of pylinkage, a text file with a link that PMKS+ shares, or a .linkage2 file. What is not understood is
+    refused by name.
+    """
+    from ..foreign.reading import imported
+
+    with ended_if_refused(file):
+        click.echo(imported(file), nl=False)
+
+
+@click.command("examples")
+@click.argument("words", nargs=-1, metavar="[WORD]...")
+def examples_command(words: tuple[str, ...]) -> None:
+    """List the recipes of the gallery that have each WORD in their text.
+
+    A word may be a kind, a key such as `springs`, a motion such as `dwell`, or the name of a part.
+    """
+    from ..core.errors import harmless, printable
+    from ..recipe.kinds import gallery
+
+    folder, recipes = gallery()
+    wanted = [word.casefold() for word in words]
+    found = {
+        file: about
+        for file, about in recipes.items()
+        if all(word in f"{file}\n{(folder / file).read_text('utf-8')}".casefold() for word in wanted)
+    }
+    if not found:
+        problem = f"no recipe of the gallery has {printable(' '.join(words))!r}"
+        raise click.BadParameter(f"{problem}; `geomkin examples` lists all", param_hint="WORD")
+    width = max(map(len, found))
+    click.echo(harmless(f"in {folder}"))
+    for file, (kind, about) in found.items():
+        click.echo(harmless(f"  {file:<{width}}  {kind}: {about}"))
 
 
 @click.command("list")
@@ -116,24 +159,27 @@ def list_command(words: tuple[str, ...]) -> None:
 
 
 @click.command()
-@click.argument("name", metavar="KIND")
+@click.argument("name", metavar="KIND_OR_RECIPE")
 @click.option(
     "--with", "options", multiple=True, metavar="TABLE[=KIND]",
     help="Show another kind of table (follower=oscillating-roller), or an optional table (web).",
 )  # fmt: skip
 def new(name: str, options: tuple[str, ...]) -> None:
-    """Print a recipe of a KIND with every key explained.
+    """Print a recipe of a KIND with every key explained, or a RECIPE of the gallery by its name, such as klann.
 
-    The recipe runs without changes.
+    The recipe runs without changes; files that it names are in the gallery.
     """
     from ..core.errors import printable
-    from ..recipe.kinds import kind_names, recipe_class
+    from ..recipe.kinds import gallery, kind_names, recipe_class
 
     try:
         recipe = recipe_class(name)
     except KeyError:
         from ..recipe.messages import nearest_kind
 
+        folder, recipes = gallery()
+        if f"{name}.toml" in recipes and not options:
+            return click.echo((folder / f"{name}.toml").read_text("utf-8"), nl=False)
         kinds = kind_names()
         remedy = f"{nearest_kind(name, kinds)}choose from {', '.join(kinds)}, or search with `geomkin list WORD`"
         raise click.BadParameter(f"unknown kind {printable(name)!r}; {remedy}") from None

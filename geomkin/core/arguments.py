@@ -133,7 +133,7 @@ def _field_types(kind: type) -> tuple[tuple[str, ArgumentType], ...]:
         type = None if "unit" in field.metadata else argument_type(hints[field.name])
         if type and field.default is None:
             # The class itself fills in an omitted field.
-            type = _either([type, NOTHING])
+            type = _any_of([type, NOTHING])
         if type:
             expected.append((field.name, type))
     return tuple(expected)
@@ -150,9 +150,9 @@ def argument_type(hint: Any) -> ArgumentType | None:
             # `float | ArrayLike` and `complex | ArrayLike` are equal sets of types; their first member differs.
             # Optional ones are written `None | complex | ArrayLike`: with None last, Python may return the equal union
             # `ArrayLike | None` of another package in its place.
-            return _either([ARRAY_LIKE[first], *([NOTHING] if type(None) in inner else [])])
+            return _any_of([ARRAY_LIKE[first], *([NOTHING] if type(None) in inner else [])])
         options = [argument_type(option) for option in inner]
-        return None if None in options else _either([option for option in options if option])
+        return None if None in options else _any_of([option for option in options if option])
     if origin is Literal:
         return ArgumentType(lambda value: _is_choice(value, inner), _listed([str(choice) for choice in inner]), (str,))
     if origin in (tuple, Sequence, list) and inner:
@@ -199,7 +199,7 @@ def whole_between(least: int, most: int) -> ArgumentType:
     )
 
 
-def _either(options: list[ArgumentType]) -> ArgumentType:
+def _any_of(options: list[ArgumentType]) -> ArgumentType:
     if len(options) == 1:
         return options[0]
     allowed = _listed([marked(option.allowed) for option in options if option is not NOTHING])

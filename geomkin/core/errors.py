@@ -28,7 +28,12 @@ ProblemId = Literal[
 
 
 class GeomkinError(Exception):
-    """Base class of all errors that geomkin raises on purpose; its text is shown to users without a traceback."""
+    """Base class of all errors that geomkin raises on purpose; its text is shown to users without a traceback.
+
+    See Also
+    --------
+    DesignError, RecipeError, FileError, FailedChecksError
+    """
 
 
 class DesignError(GeomkinError, ValueError):
@@ -46,6 +51,10 @@ class DesignError(GeomkinError, ValueError):
         Kind of refusal, one of `ProblemId`.
     value : float, optional
         A value of the field that is accepted, if the remedy names one.
+
+    See Also
+    --------
+    RecipeError, FileError
 
     Examples
     --------
@@ -139,6 +148,10 @@ class RecipeError(GeomkinError, ValueError):
         Name of the recipe's file.
     problems : list of Problem
         The problems; the text shows the first 20.
+
+    See Also
+    --------
+    DesignError, FileError, load
     """
 
     def __init__(self, file: str, problems: list[Problem]):
@@ -161,6 +174,10 @@ class FileError(GeomkinError, OSError):
     problem, remedy : str
         What went wrong, and what to change.
     id : {"file-unreadable", "file-unwritable"}
+
+    See Also
+    --------
+    RecipeError, DesignError
     """
 
     def __init__(self, file: object, problem: str, remedy: str, id: ProblemId):

@@ -56,10 +56,12 @@ def quantity(
     at_most: float | None = None,
     whole: bool = False,
     filled_in: float | None = None,
+    printed: float = 0.0,
 ) -> Any:
     """A dataclass field for a number: its meaning, unit and limits, and an example for templates.
 
-    filled_in: value of an omitted quantity whose default is None, in the usual case.
+    filled_in: value of an omitted quantity whose default is None, in the usual case. printed: its share of the
+    clearance of a printed mechanism; 0 if it does not depend on it.
     """
     limits = {"gt": above, "ge": at_least, "lt": below, "le": at_most}
     metadata: dict[str, Any] = {"description": f"{meaning}, {unit}" if unit else meaning, "unit": unit}
@@ -67,6 +69,7 @@ def quantity(
     metadata |= {"whole": True} if whole else {}
     metadata["examples"] = [_example(example, default)]
     metadata["filled_in"] = filled_in
+    metadata |= {"printed": printed} if printed else {}
     return dataclasses.field(default=default, metadata=metadata)
 
 

@@ -38,8 +38,8 @@ def record(
     Parameters
     ----------
     checked : bool
-        Whether creation raises DesignError for the first field that its declaration does not allow, before the
-        class's own `__post_init__` runs.
+        Whether creation raises DesignError for the first field that its declaration does not allow, before
+        `__post_init__` runs.
     arrays : bool
         Whether quantities may be arrays, one value for each of many mechanisms.
     eq, kw_only : bool
@@ -48,7 +48,7 @@ def record(
 
     def decorate(cls: type[T]) -> type[T]:
         if checked:
-            after: Callable[[T], None] | None = vars(cls).get("__post_init__")
+            after: Callable[[T], None] | None = getattr(cls, "__post_init__", None)
 
             def check(self: T) -> None:
                 check_sizes(self, arrays)

@@ -40,6 +40,10 @@ def scaled(thing: T, scale: Scale) -> T:
     DesignError
         If the thing cannot be scaled, or a length leaves its range.
 
+    See Also
+    --------
+    load, edit
+
     Examples
     --------
     >>> import geomkin as gk

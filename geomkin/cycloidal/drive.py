@@ -107,7 +107,7 @@ class CycloidalDrive:
     pin: float = quantity("diameter of the pins", "mm", above=0, at_most=FARTHEST, example=8)
     eccentricity: float = quantity("distance of the axes of ring and disc", "mm", above=0, at_most=FARTHEST, example=3)
     clearance: float = quantity(
-        "gap between the disc and the pins all round", "mm", default=0.1, at_least=0, at_most=FARTHEST
+        "gap between the disc and the pins all round", "mm", default=0.1, at_least=0, at_most=FARTHEST, printed=0.5
     )
     discs: Literal[1, 2] = field_entry("number of discs; two lie opposite each other and balance", default=1)
     eccentric: float = quantity(

@@ -147,7 +147,7 @@ class Cut:
 
     `loops` are the cuts, outline first, then the holes. `marks` are the engraved lines, including the part's `label` if
     it has one. `digits` is the number of decimals of mm; `tolerance` is that of flattening, mm. `tab` is the width of
-    the tabs that hold the part in its sheet, mm, 0 for none.
+    the tabs that hold the part in its sheet, mm, 0 for none. `foot` is the chamfer of the solid's lower edges, mm.
     """
 
     part: Part
@@ -157,6 +157,7 @@ class Cut:
     tolerance: float
     label: str = ""
     tab: float = 0.0
+    foot: float = 0.0
 
     @property
     def area(self) -> float:

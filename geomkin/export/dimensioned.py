@@ -11,7 +11,7 @@ from ..core.records import record
 from ..core.units import LengthUnit
 from ..model.part import HoleFit
 from ..plane.curve import AbstractCurve, Mirrored, Reversed
-from ..plane.joined import Path
+from ..plane.joined import Path, PolarArray
 from ..plane.primitives import Arc, Circle, Polyline, Segment
 from ..plane.vec import Complex
 from .cut import Cut, Loop
@@ -31,6 +31,7 @@ from .dimensions import (
     scaled,
 )
 from .drawing_data import gear_data, hole_size, profile_table
+from .drawing_views import base_circle, draw_table, point_table, section_view
 from .job import Job
 from .text import Text, width_of
 
@@ -54,8 +55,6 @@ SMOOTH = 0.02
 MOST_PIECES, OF_GEARS = 200, 32
 # Largest number of coordinates along an axis that are drawn at their lines. More are listed in a table.
 MOST_ORDINATES = 60
-# Rows of a table in one column.
-ROWS = 36
 
 
 @record(eq=False)
@@ -195,6 +194,7 @@ def _cell(job: Job, exact: Cut, solid: Cut, scale: float) -> DrawingCanvas:
     part, canvas = exact.part, DrawingCanvas(job.unit)
     curves = (part.outline, *part.holes)
     data = gear_data(job, part)
+    pitch = data.pitch_radius if data else 0.0
     contours = [_contour(loop, curve, OF_GEARS if data else MOST_PIECES) for loop, curve in zip(exact.loops, curves)]
     if rack := _rack(exact.loops[0], contours[0]):
         contours[0] = rack.rest
@@ -210,35 +210,46 @@ def _cell(job: Job, exact: Cut, solid: Cut, scale: float) -> DrawingCanvas:
             canvas.centre_mark(place * scale, radius * scale)
     if data and len(located) == 1:
         canvas.centre_mark(datum * scale, 0.0)
+    if pitch:
+        canvas.add(CENTRE, Circle(datum * scale, pitch * scale))
+    if base := getattr(part.outline, "base_radius", None):
+        features.radii |= base_circle(canvas, exact.loops[0], datum, base, scale)
     if contours[0] is None or data:
-        _side_view(canvas, exact, scale)
-    tables: list[list[Sequence[str]]] = []
+        section_view(canvas, exact, datum, scale, pitch)
+    tables: list[list[Sequence[str]]] = [[("gear data", ""), *data.rows]] if data else []
     coordinates = [{round(float(part_of(place - datum)), 6) for place, _ in located} for part_of in (np.real, np.imag)]
     if max(map(len, coordinates)) > MOST_ORDINATES:
-        tables.append(_point_table(canvas, datum, scale, located))
+        tables.append(point_table(canvas, datum, scale, located))
     elif max(map(len, coordinates)) > 1:
         canvas.ordinates(datum, scale, located)
-    kinds: dict[DimensionKind, dict[str, Arcs]] = {"diameter": features.diameters, "radius": features.radii}
-    for kind, groups in kinds.items():
-        for words, circles in groups.items():
-            count = f"{len(circles)} x " if len(circles) > 1 else ""
-            canvas.leader(count + words, [(c * scale, radius * scale, middle) for c, radius, middle in circles], kind)
-    notes: list[str] = []
+    notes = list(_leaders(canvas, features, scale))
     fits = [None, *part.fits, *[None] * len(curves)]
     for curve, contour, fit in zip(curves, contours, fits):
-        if contour is None and not data and not fit:
-            table, sentence = profile_table(job, part, curve, datum)
+        if contour is None and not fit and not (data and data.is_involute):
+            table, sentence = profile_table(job, part, curve, datum, data.teeth if data else 1)
             tables.append(table)
             notes.append(sentence)
     low, high = canvas.box
     left = high.real + AWAY
     for table in tables:
-        left = _draw_table(canvas, table, complex(left, high.imag))
+        left = draw_table(canvas, table, complex(left, high.imag))
     low = canvas.box[0]
     teeth = rack.lines(datum, job.unit) if rack else ()
-    for number, line in enumerate([*_facts(job, exact), *teeth, *data, *features.patterns, *notes]):
+    for number, line in enumerate([*_facts(job, exact), *teeth, *features.patterns, *notes]):
         canvas.words(line, complex(low.real, low.imag - 2 * LETTER - number * LINE))
     return canvas
+
+
+def _leaders(canvas: DrawingCanvas, features: _Features, scale: float) -> Iterator[str]:
+    """Draw diameters and radii at leaders, and yield as sentences those for which there is no free place."""
+    kinds: dict[DimensionKind, dict[str, Arcs]] = {"diameter": features.diameters, "radius": features.radii}
+    for kind, groups in kinds.items():
+        for words, circles in groups.items():
+            text = f"{len(circles)} x {words}" if len(circles) > 1 else words
+            if not canvas.leader(text, [(c * scale, radius * scale, middle) for c, radius, middle in circles], kind):
+                offsets = [centre - features.datum for centre, _, _ in circles]
+                places = (f"{length_text(z.real, canvas.unit)}, {length_text(z.imag, canvas.unit)}" for z in offsets)
+                yield f"{text}: centre at {'; '.join(places)}"
 
 
 def _facts(job: Job, exact: Cut) -> Iterator[str]:
@@ -262,6 +273,8 @@ def _has_arcs_only(curve: AbstractCurve) -> bool:
             return all(map(_has_arcs_only, curve.pieces))
         case Mirrored() | Reversed():
             return _has_arcs_only(curve.curve)
+        case PolarArray():
+            return _has_arcs_only(curve.piece)
     return isinstance(curve, Arc | Circle | Polyline | Segment)
 
 
@@ -427,43 +440,3 @@ class _Features:
                 turns.append(round(float(np.degrees(np.angle(turn))) % 360, 6))
                 return True
         return False
-
-
-def _side_view(canvas: DrawingCanvas, exact: Cut, scale: float) -> None:
-    """The view from the left at the right of the front view: its bore hidden, and the thickness."""
-    low, high = (corner * scale for corner in exact.box)
-    left, thick = high.real + 2 * AWAY, exact.part.thickness * scale
-    corners = [complex(left, low.imag), complex(left + thick, high.imag)]
-    canvas.add(PART, Polyline(np.array([corners[0], corners[0] + thick, corners[1], corners[1] - thick])))
-    for loop in exact.loops[1:]:
-        if isinstance(loop.shape, Circle):
-            a, b = loop.shape.centre.imag - loop.shape.radius, loop.shape.centre.imag + loop.shape.radius
-            for y in (a * scale, b * scale):
-                canvas.line(complex(left, y), complex(left + thick, y), layer=CENTRE)
-    canvas.linear(corners[1] - thick, corners[1], 1j * AWAY, exact.part.thickness)
-
-
-def _point_table(
-    canvas: DrawingCanvas, datum: complex, scale: float, located: Sequence[tuple[complex, float]]
-) -> list[Sequence[str]]:
-    """Coordinates of numbered points, whose numbers are written at them."""
-    places = list({(round(p.real, 6), round(p.imag, 6)): p for p, _ in located}.values())
-    rows: list[Sequence[str]] = [("point", "x", "y")]
-    for number, place in enumerate(places, 1):
-        canvas.label(str(number), place * scale)
-        offset = place - datum
-        rows.append((str(number), *(length_text(value, canvas.unit) for value in (offset.real, offset.imag))))
-    return rows
-
-
-def _draw_table(canvas: DrawingCanvas, rows: Sequence[Sequence[str]], corner: complex) -> float:
-    """Draw rows of a table below its heading from an upper left corner, and return its right end, mm."""
-    heading, left = rows[0], corner.real
-    for start in range(1, len(rows), ROWS):
-        block = [heading, *rows[start : start + ROWS]]
-        for column in range(len(heading)):
-            for number, row in enumerate(block):
-                canvas.words(row[column], complex(left, corner.imag - LETTER / 2 - number * LINE))
-            left += max(width_of(row[column], LETTER) for row in block) + LETTER
-        left += LETTER
-    return left

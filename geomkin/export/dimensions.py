@@ -33,6 +33,9 @@ TRIED = 6
 # Tolerance of chords, mm on paper, when texts avoid lines, and the least distance of a text from a line.
 CHORDS, CLEARANCE = 0.1, 0.9
 
+# Coordinates below this share of the largest are rounding errors.
+NOISE = 1e-6
+
 Shape = tuple[str, Circle | Polyline]
 DimensionKind = Literal["linear", "x", "y", "diameter", "radius"]
 
@@ -81,6 +84,14 @@ def length_text(length: float, unit: LengthUnit = MM) -> str:
     if abs(value) < 1:
         return f"{value:.4g}" if abs(value) > 1e-9 else "0"
     return f"{value:.{3 if unit is MM else 4}f}".rstrip("0").rstrip(".")
+
+
+def without_noise(offsets: Complex) -> Complex:
+    """Offsets from a datum, with coordinates of 0 where only rounding is left of them."""
+    near = NOISE * float(np.abs(offsets).max(initial=0.0))
+    return np.where(np.abs(offsets.real) > near, offsets.real, 0.0) + 1j * np.where(
+        np.abs(offsets.imag) > near, offsets.imag, 0.0
+    )
 
 
 class DrawingCanvas:
@@ -150,6 +161,8 @@ class DrawingCanvas:
         share a line.
         """
         low = self.box[0]
+        offsets = without_noise(np.array([place - datum for place, _ in features]))
+        features = [(datum + offset, radius) for offset, (_, radius) in zip(offsets.tolist(), features)]
         axes: tuple[DimensionKind, ...] = ("x", "y")
         for axis in axes:
             # Along the axis, and across it from the part to the numbers, which are below or to the left.
@@ -178,13 +191,12 @@ class DrawingCanvas:
                 ends = (datum * scale, place * scale, points[-1])
                 self._dimension(Dimension(axis, ends, text, (line,)))
 
-    def leader(self, words: str, circles: Sequence[tuple[complex, float, complex]], kind: DimensionKind) -> None:
-        """A text for equal circles or arcs, at the end of a leader from one of them.
+    def leader(self, words: str, circles: Sequence[tuple[complex, float, complex]], kind: DimensionKind) -> bool:
+        """A text for equal circles or arcs, at the end of a leader from one of them; False if no place is free.
 
         Each has its centre and radius, mm on paper, and a direction of a point of the arc, 0 for a whole circle.
         """
-        trials = ((is_strict, distance) for is_strict in (True, False) for distance in LEADERS.tolist())
-        for is_strict, distance in trials:
+        for distance in LEADERS.tolist():
             for centre, radius, middle in circles[:TRIED]:
                 for angle in DIRECTIONS_DEG if middle == 0 else ARC_DIRECTIONS_DEG:
                     direction = complex(direction_deg(angle)) * (middle or 1)
@@ -193,7 +205,7 @@ class DrawingCanvas:
                     side = 1.0 if direction.real >= 0 else -1.0
                     end = bend + 2 * side
                     text = Text(DIM, words, end + 1.5 * side, LETTER, starts=side > 0, ends=side < 0)
-                    if not self.is_free(text) or (is_strict and self._crosses_text((touch, bend, end))):
+                    if not self.is_free(text) or self._crosses_text((touch, bend, end)):
                         continue
                     arrow = 2 * (bend - touch) / abs(bend - touch)
                     wings = [touch + arrow * complex(direction_deg(turn)) for turn in (15, -15)]
@@ -201,10 +213,11 @@ class DrawingCanvas:
                     lines = tuple(Polyline(np.array(points), is_closed=False) for points in places)
                     first = centre if kind == "radius" else 2 * centre - touch
                     self._dimension(Dimension(kind, (first, touch), text, lines, measured=False))
-                    return
+                    return True
+        return False
 
-    def label(self, words: str, near: complex) -> None:
-        """A short text as near to a point as possible."""
+    def label(self, words: str, near: complex) -> bool:
+        """A short text as near to a point as possible; False if no place is free."""
         size = complex(width_of(words, LETTER), LETTER)
         for distance in (LEADERS - LEADERS[0] + 2.5).tolist():
             for angle in DIRECTIONS_DEG:
@@ -216,7 +229,8 @@ class DrawingCanvas:
                     # A line shows what a number at a distance belongs to.
                     if distance > LETTER:
                         self.line(near, end - CLEARANCE * (end - near) / abs(end - near))
-                    return
+                    return True
+        return False
 
     def is_free(self, text: Text) -> bool:
         """Whether a text meets no line and no other text."""

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..core.errors import harmless
+from ..core.records import record
 from ..core.units import MM, LengthUnit
 from ..model.limits import FitLimits
 from ..model.part import HoleFit, Part
@@ -15,7 +16,7 @@ from ..plane.flatten import flatten
 from ..plane.joined import PolarArray
 from ..plane.primitives import Circle
 from ..plane.vec import Complex, Real
-from .dimensions import length_text
+from .dimensions import length_text, without_noise
 from .job import Job
 
 # Steps, deg, of the table of a profile: the first one from which a cubic curve stays within the tolerance.
@@ -24,23 +25,28 @@ STEPS_DEG = (10, 5, 3, 2, 1)
 POINTS = 72
 
 
-def profile_table(job: Job, part: Part, curve: Any, datum: complex) -> tuple[list[Sequence[str]], str]:
-    """The table of a curve by polar coordinates, or by points if it has no single radius at each angle."""
+def profile_table(
+    job: Job, part: Part, curve: Any, datum: complex, pitches: int = 1
+) -> tuple[list[Sequence[str]], str]:
+    """The table of a curve by polar coordinates, or by points if it has no single radius at each angle.
+
+    Of a curve with equal pitches, such as teeth, it has the points of one.
+    """
     unit, tolerance = job.unit, job.tolerance
-    dense = flatten(curve, tolerance / 10) - datum
+    dense = without_noise(flatten(curve, tolerance / 10) - datum)
     dense = dense[np.abs(dense - np.roll(dense, 1)) > 1e-9 * np.abs(dense).max()]
-    piece = curve.count if isinstance(curve, PolarArray) else 1
+    piece = curve.count if isinstance(curve, PolarArray) else pitches
     angle = np.unwrap(np.angle(dense))
     angle = angle if angle[-1] > angle[0] else -angle
     is_star = piece == 1 and np.all(np.diff(angle) > 0) and abs(angle[-1] - angle[0]) > np.pi
     if not is_star:
-        if piece > 1:
+        if isinstance(curve, PolarArray) and piece > 1:
             share = curve.breaks[-1] / piece
-            points: Complex = np.asarray(curve.point(np.linspace(0, share, POINTS + 1))) - datum
+            points: Complex = without_noise(curve.point(np.linspace(0, share, POINTS + 1)) - datum)
         else:
             ring = np.append(dense, dense[0]) if curve.closed else dense
             length = np.append(0.0, np.cumsum(np.abs(np.diff(ring))))
-            points = np.asarray(np.interp(np.linspace(0, length[-1], POINTS + 1), length, ring), dtype=complex)
+            points = np.asarray(np.interp(np.linspace(0, length[-1] / piece, POINTS + 1), length, ring), dtype=complex)
         rows: list[Sequence[str]] = [("point", "x", "y")]
         rows += [
             (str(k), *(length_text(value, unit) for value in (point.real, point.imag)))
@@ -62,10 +68,8 @@ def profile_table(job: Job, part: Part, curve: Any, datum: complex) -> tuple[lis
     for k, value in enumerate(exact[:: 4 * step].tolist()):
         rows.append([str(k * step), length_text(value, unit), *([lift[k]] if lift else [])])
     follower = " lift by the rotation of the cam, deg;" if lift else ""
-    base = getattr(curve, "base_radius", None)
-    base = f"base circle radius {length_text(base, unit)}; " if base else ""
     return rows, (
-        f"{base}radius of the profile by the angle from x, counterclockwise, deg;{follower}"
+        f"radius of the profile by the angle from x, counterclockwise, deg;{follower}"
         f" a cubic curve through the rows is within {unit.of(deviation):.2g}"
     )
 
@@ -135,81 +139,120 @@ def _clearances(limits: FitLimits, unit: LengthUnit) -> str:
     return f"clearance {least} to {largest}"
 
 
-def gear_data(job: Job, part: Part) -> list[str]:
-    """The data of a gear as in ISO 1340, or of a wheel of a belt or chain; empty for other parts."""
-    measures, helix = _notes_of(job, part, f"measures_{job.unit.name}"), _notes_of(job, part, "helix")
-    if "teeth" not in measures:
-        return _wheel_data(job, part)
+@record(eq=False)
+class GearData:
+    """Data of a gear by name, its teeth, pitch radius, mm, and whether its flanks are involutes, which data define."""
+
+    rows: tuple[tuple[str, str], ...]
+    teeth: int
+    pitch_radius: float
+    is_involute: bool
+
+
+def gear_data(job: Job, part: Part) -> GearData | None:
+    """The data of a gear as in ISO 1340, or of a wheel of a belt or chain; None for other parts."""
+    measures, wheel = (_notes_of(job, part, key) for key in (f"measures_{job.unit.name}", "wheels"))
+    if "teeth" in measures:
+        pitch = measures["pitch_radius"] * job.unit.mm
+        return GearData(tuple(_involute_data(job, part, measures)), measures["teeth"], pitch, True)
+    if "teeth" in wheel:
+        pitch = wheel[f"pitch_diameter_{job.unit.name}"] / 2 * job.unit.mm
+        return GearData(tuple(_wheel_data(job, part, wheel)), wheel["teeth"], pitch, False)
+    return None
+
+
+def _involute_data(job: Job, part: Part, measures: Mapping[str, Any]) -> list[tuple[str, str]]:
+    helix = _notes_of(job, part, "helix")
 
     def size(value: float) -> str:
         return length_text(value * job.unit.mm, job.unit)
 
+    def toleranced(measure: Mapping[str, Any]) -> str:
+        low, high = sorted((0.0, measure.get("tolerance", 0.0)))
+        limits = _deviations((low * job.unit.mm, high * job.unit.mm), job.unit) if low or high else ""
+        return f"{size(measure['measure'])} {limits}".strip()
+
     name = job.unit.name
-    lines = [
-        f"teeth {measures['teeth']}, module {size(measures['module'])}, "
-        f"pressure angle {measures['pressure_angle_deg']:.6g} deg",
-        f"profile shift coefficient {measures['profile_shift']:.6g}",
-        *(
-            f"{circle} dia {size(2 * measures[f'{circle}_radius'])}"
-            for circle in ("tip", "pitch", "base", "root")
-            # The tip circle of an outline has its diameter in the view.
-            if f"{circle}_radius" in measures and (circle != "tip" or isinstance(part.outline, Circle))
-        ),
+    rows = [
+        ("teeth", str(measures["teeth"])),
+        ("transverse module" if helix else "module", size(measures["module"])),
+        ("pressure angle", f"{measures['pressure_angle_deg']:.6g}°"),
     ]
     if helix:
-        herringbone = ", herringbone" if helix["herringbone"] else ""
-        lines[0] = lines[0].replace("module", "transverse module")
-        lines[1:1] = [
-            f"helix angle {helix['helix_angle_deg']:.6g} deg, {helix['hand']} hand{herringbone}",
-            f"normal module {size(helix[f'normal_module_{name}'])}, "
-            f"normal pressure angle {helix['normal_pressure_angle_deg']:.6g} deg, "
-            f"lead {size(helix[f'lead_{name}'])}",
+        rows += [
+            ("helix angle", f"{helix['helix_angle_deg']:.6g}°"),
+            ("hand", f"{helix['hand']}{', herringbone' if helix['herringbone'] else ''}"),
+            ("normal module", size(helix[f"normal_module_{name}"])),
+            ("normal pressure angle", f"{helix['normal_pressure_angle_deg']:.6g}°"),
+            ("lead", size(helix[f"lead_{name}"])),
         ]
+    rows.append(("profile shift coefficient", f"{measures['profile_shift']:.6g}"))
+    rows.append(("tooth thickness at the pitch circle", size(measures["tooth_thickness"])))
+    for circle in ("tip", "pitch", "base", "root"):
+        # The tip circle of an outline has its diameter in the view.
+        if f"{circle}_radius" in measures and (circle != "tip" or isinstance(part.outline, Circle)):
+            rows.append((f"{circle} dia", size(2 * measures[f"{circle}_radius"])))
     if span := measures.get("span"):
-        lines.append(f"span over {span['teeth']} teeth {size(span['measure'])}")
+        rows.append((f"span over {span['teeth']} teeth", toleranced(span)))
     for key, words in (("over_pins", "over"), ("between_pins", "between")):
         if pins := measures.get(key):
-            lines.append(f"{words} pins of dia {size(pins['pin_diameter'])}: {size(pins['measure'])}")
-    return [*lines, *_mates(job, part), f"accuracy: {harmless(job.title.general_tolerance or 'not stated')}"]
+            rows.append((f"{words} pins of dia {size(pins['pin_diameter'])}", toleranced(pins)))
+    tool = "pinion cutter" if "tool_teeth" in measures else "rack cutter"
+    if "tool_teeth" in measures:
+        shift = f", profile shift {measures['tool_profile_shift']:.6g}" if measures["tool_profile_shift"] else ""
+        rows.append((f"teeth of the {tool}", f"{measures['tool_teeth']}{shift}"))
+    for key, words in (("tip", "tip radius"), ("fillet", "fillet at the root")):
+        if f"tool_{key}_radius" in measures:
+            rows.append((f"{words} of the {tool}", size(measures[f"tool_{key}_radius"])))
+    rows += [(key.replace("_", " "), size(measures[key])) for key in ("tip_rounding", "tip_chamfer") if key in measures]
+    return [*rows, *_mates(job, part), ("accuracy", harmless(job.title.general_tolerance or "not stated"))]
 
 
-def _mates(job: Job, part: Part) -> Iterator[str]:
+def _mates(job: Job, part: Part) -> Iterator[tuple[str, str]]:
     """The gears that mesh with a gear, with their teeth and centre distances."""
-    measures = job.source.notes.get(f"measures_{job.unit.name}", {})
-    if not isinstance(measures, Mapping):
-        return
-    for key, mesh in job.source.notes.items():
+    notes, local = _notes(job, part)
+    measures = notes.get(f"measures_{job.unit.name}", {})
+    for key, mesh in notes.items():
         distance = mesh.get(f"centre_distance_{job.unit.name}") if isinstance(mesh, Mapping) else None
         if distance is None:
             continue
         gears = key.split("_and_") if "_and_" in key else list(measures)
         if key.startswith("stage_"):
             gears = [f"{side}_{key.removeprefix('stage_')}" for side in ("driver", "driven")]
-        if part.name in gears and len(gears) == 2:
-            (mate,) = (name for name in gears if name != part.name)
+        if local in gears and len(gears) == 2:
+            (mate,) = (name for name in gears if name != local)
             teeth = f", {measures[mate]['teeth']} teeth" if mate in measures else ""
-            yield f"mate {harmless(mate)}{teeth}, centre distance {length_text(distance * job.unit.mm, job.unit)}"
+            yield "mate", f"{harmless(mate)}{teeth}"
+            yield "centre distance", length_text(distance * job.unit.mm, job.unit)
 
 
-def _wheel_data(job: Job, part: Part) -> list[str]:
+def _wheel_data(job: Job, part: Part, wheel: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Teeth and diameters of a sprocket or a toothed pulley, with the profile of its chain or belt."""
-    wheel = _notes_of(job, part, "wheels")
-    if "teeth" not in wheel:
-        return []
-    medium = next((job.source.notes[key] for key in ("belt", "chain") if key in job.source.notes), {})
-    profile = medium.get("profile", "") if isinstance(medium, Mapping) else ""
-    keys = {words: f"{words}_diameter_{job.unit.name}" for words in ("pitch", "outer")}
-    sizes = [(words, wheel[key] * job.unit.mm) for words, key in keys.items() if key in wheel]
-    return [
-        f"teeth {wheel['teeth']}, profile {profile}",
-        *(f"{words} dia {length_text(value, job.unit)}" for words, value in sizes),
-    ]
+    notes, _ = _notes(job, part)
+    medium: Any = next((notes[key] for key in ("belt", "chain") if key in notes), {})
+    yield "teeth", str(wheel["teeth"])
+    yield "profile", str(medium.get("profile", ""))
+    for words in ("pitch", "outer"):
+        if f"{words}_diameter_{job.unit.name}" in wheel:
+            yield f"{words} dia", length_text(wheel[f"{words}_diameter_{job.unit.name}"] * job.unit.mm, job.unit)
+
+
+def _notes(job: Job, part: Part) -> tuple[Mapping[str, Any], str]:
+    """The notes with data of a part, and its name in them: of a machine those of the part's mechanism."""
+    mechanisms: Any = job.source.notes.get("mechanisms", {})
+    for name, notes in mechanisms.items():
+        if part.name.startswith(f"{name}_"):
+            return notes, part.name.removeprefix(f"{name}_")
+    return job.source.notes, part.name
 
 
 def _notes_of(job: Job, part: Part, key: str) -> Mapping[str, Any]:
     """Notes on a part, by its name, or for the first part if the notes have a single entry."""
-    notes = job.source.notes.get(key)
-    if not isinstance(notes, Mapping):
+    notes, local = _notes(job, part)
+    entries = notes.get(key)
+    if not isinstance(entries, Mapping):
         return {}
-    entry = notes.get(part.name, notes if part is job.source.parts[0] else None)
+    prefix = part.name.removesuffix(local)
+    is_first = part is next(p for p in job.source.parts if p.name.startswith(prefix))
+    entry = entries.get(local, entries if is_first else None)
     return entry if isinstance(entry, Mapping) else {}

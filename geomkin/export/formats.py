@@ -85,7 +85,7 @@ WRITERS: dict[str, Writer] = {
     "sheet-pdf": _one_file("parts", "report:sheet_pdf", "-sheet.pdf", ("shapely", "typst")),
     "report": Writer("scene", _in("report:write_report"), ("shapely", "typst"), tail="-report.pdf", opt_in=True),
     "report-md": Writer("scene", _in("report:write_markdown"), ("shapely",), tail="-report.md", opt_in=True),
-    "3mf": _one_file("parts", "solids:threemf", ".3mf", ("shapely",)),
+    "3mf": Writer("parts", _in("solids:write_threemf"), ("shapely",), opt_in=True),
     "step": Writer("parts", _in("step:write_step"), ("shapely",), opt_in=True),
     "assembly-step": _one_file("scene", "step:assembly_step", "-assembly.step", ("shapely",)),
 }

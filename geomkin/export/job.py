@@ -9,7 +9,7 @@ from typing import Literal, Protocol
 
 from ..core.errors import DesignError, shown
 from ..core.records import record
-from ..core.units import MM, LengthUnit
+from ..core.units import MM, LengthUnit, mm
 from ..model.check import Check, WorkedFormula
 from ..model.corner_relief import relieved
 from ..model.part import Bought, Part
@@ -109,6 +109,10 @@ class Job:
         Version of the drawings to cut.
     layers : LayerStyles
         Names and colours of their layers.
+    growth, foot : float
+        Growth of prints, and chamfer of their lower edges, mm.
+    certificate : tuple of tuple of str
+        Rows of the results of verifying the files, for the report; empty before they are verified.
     """
 
     name: str
@@ -129,6 +133,9 @@ class Job:
     tab_width: float = 0.0
     dxf_version: Literal["R2000", "R12"] = "R2000"
     layers: LayerStyles = field(default_factory=LayerStyles)
+    growth: float = 0.0
+    foot: float = 0.0
+    certificate: tuple[tuple[str, ...], ...] = ()
 
     @property
     def table(self) -> Table:
@@ -165,6 +172,27 @@ class Job:
         ]
 
     @cached_property
+    def printed(self) -> Sequence[Cut]:
+        """The parts as they are printed: less their growth, and with chamfers of the lower edges."""
+        if not self.growth and not self.foot:
+            return self.solids
+        return [self.printed_cut(part) for part in self._parts]
+
+    def printed_cut(self, part: Part) -> Cut:
+        """A part as it is printed. DesignError for a growth or chamfer that it cannot have."""
+        if self.foot and (part.twist is not None or self.foot >= part.thickness):
+            what = "with helical teeth" if part.twist else f"{mm(part.thickness):g} thick"
+            problem = f"found {mm(self.foot):g}, but the {part.name} is a part {what}"
+            raise DesignError("printing.foot", problem, "give 0, or a smaller one", "conflict")
+        try:
+            return replace(solid_cut(part, self.tolerance, self.growth), foot=self.foot)
+        except DesignError as error:
+            if error.field != "kerf":
+                raise
+            problem = f"found {mm(self.growth):g}, wider than a gap or a neck of the {part.name}"
+            raise DesignError("printing.growth", problem, "give a smaller one, or larger parts", "conflict") from None
+
+    @cached_property
     def exact(self) -> Sequence[Cut]:
         """The parts at their true size, with arcs."""
         return [cut(part, self.tolerance, arcs=True) for part in self._parts]
@@ -174,10 +202,13 @@ class Job:
         """The parts laid out on sheets."""
         return lay_out_on(self.flats, *self.sheet) if self.sheet else (lay_out(self.flats),)
 
-    def sheet_files(self, ending: str, write: Callable[[Sheet], bytes]) -> dict[str, bytes]:
+    def sheet_files(
+        self, ending: str, write: Callable[[Sheet], bytes], sheets: Sequence[Sheet] | None = None
+    ) -> dict[str, bytes]:
         """One file per sheet, by name; names from the second sheet on have its number."""
-        names = [self.name, *(f"{self.name}-{number}" for number in range(2, len(self.sheets) + 1))]
-        return {f"{name}.{ending}": write(sheet) for name, sheet in zip(names, self.sheets)}
+        sheets = self.sheets if sheets is None else sheets
+        names = [self.name, *(f"{self.name}-{number}" for number in range(2, len(sheets) + 1))]
+        return {f"{name}.{ending}": write(sheet) for name, sheet in zip(names, sheets)}
 
     def part_files(self, ending: str, cuts: Sequence[Cut], write: Callable[[Cut], bytes]) -> dict[str, bytes]:
         """One file for each part, by name. Raises DesignError if two parts have the same name."""

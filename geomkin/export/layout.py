@@ -359,16 +359,18 @@ def lay_out(cuts: Sequence[Cut]) -> Sheet:
     return _if_smaller(cuts, nest(cuts, side, side, GAP), rows) or rows
 
 
-def lay_out_on(cuts: Sequence[Cut], width: float, height: float) -> tuple[Sheet, ...]:
-    """The parts on as many sheets of a given size, mm, as they need, with one thickness per sheet.
+def lay_out_on(cuts: Sequence[Cut], width: float, height: float, by_thickness: bool = True) -> tuple[Sheet, ...]:
+    """The parts on as many sheets of a given size, mm, as they need, by default with one thickness per sheet.
 
     Raises DesignError for a part that does not fit, even after a quarter turn.
     """
     _check_parts_fit(cuts, width, height)
     room = width - 2 * GAP, height - 2 * GAP
     sheets: list[Sheet] = []
-    for thickness in sorted({cut.part.thickness for cut in cuts}):
-        some = [cut for cut in cuts if cut.part.thickness == thickness]
+    groups: dict[float, list[Cut]] = {}
+    for cut in sorted(cuts, key=lambda cut: cut.part.thickness) if by_thickness else cuts:
+        groups.setdefault(cut.part.thickness if by_thickness else 0.0, []).append(cut)
+    for some in groups.values():
         rows = _least_rows(some)
         if len(rows.placed) > MOST:
             turns = [1 + 0j if _fits(box(cut, 1 + 0j)[1], *room) else 1j for cut in some]

@@ -170,17 +170,17 @@ def lettered(part: Part, number: int) -> tuple[str, tuple[Complex, ...]]:
     """
     room = _Room(part)
     strokes: list[Complex] = []
-    for hole, letter in zip(part.holes, map(_plain, part.hole_names)):
+    for hole, letter in zip(part.holes, map(_without_accents, part.hole_names)):
         if letter:
             # A narrow bar has room only lengthwise, and the few chords of a small hole may not include that direction.
             strokes += room.beside(flatten(hole, CHORDS), letter) or room.beside(flatten(hole, FINER), letter)
-    for words in (_plain(part.name), str(number)):
+    for words in (_without_accents(part.name), str(number)):
         if words and (name_strokes := room.anywhere(words)):
             return words, (*strokes, *name_strokes)
     return "", tuple(strokes)
 
 
-def _plain(name: str) -> str:
+def _without_accents(name: str) -> str:
     """The name in the font's letters without accents; "" if it has others."""
     bare = "".join(c for c in unicodedata.normalize("NFKD", name) if not unicodedata.combining(c))
     return bare.strip() if bare.isascii() and bare.isprintable() else ""

@@ -38,15 +38,17 @@ def is_solid_cut(cut_part: Cut) -> bool:
     return cut_part.part.twist is None and rounding_error(cut_part) <= NEGLECTED * cut_part.tolerance
 
 
-def solid_cut(part: Part, tolerance: float) -> Cut:
+def solid_cut(part: Part, tolerance: float, growth: float = 0.0) -> Cut:
     """The loops of a solid within `tolerance`, mm; for a twisted part half of it is left for the slices.
+
+    They are moved by half the `growth` of prints, mm, into the material.
 
     If the rounding of the mesh's numbers takes a share of the tolerance, the chords are finer. DesignError if it takes
     too much, moving and fixed loops could meet, or the part needs too many triangles.
     """
     share = 0.5 if part.twist else 1.0
     check_scale(part, tolerance, share)
-    cut_part = cut(part, share * tolerance)
+    cut_part = cut(part, share * tolerance, -growth)
     if (error := rounding_error(cut_part)) > NEGLECTED * tolerance:
         if tolerance < (least := error + max(error, FINEST * extent(part.outline) / share)):
             raise DesignError(
@@ -55,7 +57,7 @@ def solid_cut(part: Part, tolerance: float) -> Cut:
                 f"give at least {mm(least):up2}, or write neither stl, glb nor 3mf",
                 "out-of-range",
             )
-        cut_part = cut(part, share * (tolerance - error))
+        cut_part = cut(part, share * (tolerance - error), -growth)
     if part.twist is None:
         return cut_part
     _check_apart(cut_part, part.twist)
@@ -216,6 +218,8 @@ def solid(cut: Cut) -> tuple[Real, Whole]:
     if twist := cut.part.twist:
         points, faces = twisted(cut, twist, loops)
         expected = twisted_volume(cut, twist, loops)
+    elif cut.foot:
+        points, faces, expected = _footed(cut, loops)
     else:
         points, faces = _straight(loops, cut.part.thickness)
         # Corners left out for rounding enclose far less than the tolerance.
@@ -257,6 +261,48 @@ def _straight(loops: list[Complex], thickness: float) -> tuple[Real, Whole]:
     start, end = edges.T
     walls = np.stack([end + count, start + count, end, end, start + count, start], axis=1).reshape(-1, 3)
     return points, np.concatenate([lid[:, ::-1], lid + count, walls])
+
+
+def _footed(cut: Cut, loops: list[Complex]) -> tuple[Real, Whole, float]:
+    """Corners, triangles and volume, mm3, of a plate whose lower edges are chamfered by 45 deg.
+
+    The sloped faces are triangles between the loops and the same ones `foot` further in, which lie on the bed.
+    """
+    foot, thickness = cut.foot, cut.part.thickness
+    lower = [_single(loop) for loop in chamfered(cut, loops)]
+    heights = dict.fromkeys(np.concatenate(lower).tolist(), 0.0)
+    triangles, removed = [], 0.0
+    for ring in region.without(loops, lower[:1]) + [
+        piece for hole in lower[1:] for piece in region.without([hole[::-1]], [h[::-1] for h in loops[1:]])
+    ]:
+        plane, faces = region.triangulate(ring)
+        z = np.array([heights.get(point, foot) for point in plane.tolist()])
+        corners = np.column_stack([xy(plane), z])[faces]
+        (x, y), height = np.moveaxis(corners[:, 1:, :2] - corners[:, :1, :2], 1, 0), z[faces].mean(axis=1)
+        removed += float(np.abs(x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]) @ height) / 2
+        triangles.append(corners[:, ::-1])
+    for sides, level, turn in ((lower, 0.0, -1), (loops, thickness, 1)):
+        plane, faces = region.triangulate(sides)
+        triangles.append(np.column_stack([xy(plane), np.full(len(plane), level)])[faces][:, ::turn])
+    for loop in loops:
+        rows = np.arange(2 * len(loop)).reshape(2, -1)
+        corners = np.column_stack([xy(np.tile(loop, 2)), np.repeat([foot, thickness], len(loop))])
+        triangles.append(corners[_walls(np.stack([loop, loop]), rows)])
+    points, index = np.unique(np.concatenate(triangles).reshape(-1, 3), axis=0, return_inverse=True)
+    return points, index.reshape(-1, 3), sum(map(polygon_area, loops)) * thickness - removed
+
+
+def chamfered(cut: Cut, loops: list[Complex]) -> list[Complex]:
+    """The loops of a section on the bed, material on their left: `foot` further in than those above the chamfer."""
+    inner = region.offset(loops, -cut.foot, cut.tolerance)
+    if len(inner) != 1 or len(inner[0]) != len(loops):
+        raise DesignError(
+            "printing.foot",
+            f"found {mm(cut.foot):g}, more than half of the thinnest wall of the {cut.part.name}",
+            "give a smaller one, or 0 for none",
+            "conflict",
+        )
+    return [_distinct(rounded(loop, cut.digits), cut.tolerance) for loop in inner[0]]
 
 
 def _is_closed(faces: Whole, points: int) -> bool:

@@ -259,7 +259,7 @@ def _pixels(px: float) -> str:
 def _arrow(still: Still, mark: SceneMark, vector: Complex) -> Item:
     """A vector, or a line without a head, along its own x axis."""
     long, digits = np.abs(vector), still.digits
-    usual = _usual(still, long)
+    usual = _usual_size(still, long)
     with np.errstate(invalid="ignore", divide="ignore"):
         direction = np.where(long > 0, vector / long, 1 + 0 * vector)
     scale = _scale(long, usual)
@@ -272,7 +272,7 @@ def _arrow(still: Still, mark: SceneMark, vector: Complex) -> Item:
 
 
 def _circle(still: Still, mark: SceneMark, radius: Real) -> Item:
-    usual = _usual(still, radius)
+    usual = _usual_size(still, radius)
     scale, r = _scale(radius, usual), decimal(rounded(usual, still.digits).item(), still.digits)
     drawn = f'<circle class="line {mark.role}{"" if scale is None else " free"}" r="{r}"/>' if usual else ""
     return Item(drawn, np.asarray(mark.place), None, scale, radius=usual)
@@ -294,7 +294,7 @@ def _scale(sizes: Real, usual: float) -> Real | None:
     return sizes / usual if varies else None
 
 
-def _usual(still: Still, sizes: Real) -> float:
+def _usual_size(still: Still, sizes: Real) -> float:
     """The size in which an element of varying size is drawn: that of the single frame, or the median; 0 if undefined.
 
     Scales are written relative to it with few decimals; relative to an outlier all other scales would be 0.

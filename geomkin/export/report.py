@@ -54,11 +54,12 @@ class ReportTable:
 
 @record(eq=False)
 class Figure:
-    """A picture of the report, SVG, with the name of its file."""
+    """A picture of the report, SVG, with the name of its file; one that is a page has its own size."""
 
     name: str
     caption: str
     content: bytes
+    is_page: bool = False
 
 
 Block = Heading | Paragraph | Listing | ReportTable | Figure
@@ -93,14 +94,9 @@ def write_report(job: Job) -> dict[str, bytes]:
 
 def sheet_pdf(job: Job) -> bytes:
     """The dimensioned drawing as PDF on paper of its size."""
-    drawing = sheet(job)
-    width, height = re.findall(r'(?:width|height)="([\d.]+(?:mm|in))"', drawing.decode())[:2]
-    lines = (
-        f"#set document(title: {_quoted(job.name)}, date: none)",
-        f"#set page(width: {width}, height: {height}, margin: 0mm)",
-        f'#image("sheet.svg", width: {width}, height: {height})',
-    )
-    return _pdf(_typst(), "\n".join(lines), {"sheet.svg": drawing})
+    drawing = Figure("sheet.svg", "", sheet(job), is_page=True)
+    source = f"#set document(title: {_quoted(job.name)}, date: none)\n#set page(margin: 0mm)\n{_in_typst(drawing)}"
+    return _pdf(_typst(), source, {drawing.name: drawing.content})
 
 
 def _typst() -> Any:
@@ -120,7 +116,7 @@ def _pdf(typst: Any, source: str, pictures: dict[str, bytes]) -> bytes:
 
 
 def _blocks(job: Job) -> Iterator[Block]:
-    """The report in its order: inputs, formulas, results, checks, plots, drawing, bill, assembly, certificate."""
+    """The report in its order: inputs, formulas, results, checks, plots, assembly, bill, certificate, drawing."""
     source, unit = job.source, job.unit
     if job.about:
         yield Paragraph(harmless(job.about))
@@ -150,17 +146,21 @@ def _blocks(job: Job) -> Iterator[Block]:
         for step in source.steps:
             yield Paragraph(f"- {harmless(step)}")
     if source.parts:
-        yield Heading("Drawing")
-        yield Figure(f"{job.name}-report-drawing.svg", f"Dimensions in {unit.plural}", sheet(job))
         yield Heading("Bill of materials")
         columns = [column for column in bill(job).columns if column.id in ("item", "count", "joints")]
         yield ReportTable((tuple(c.id for c in columns), *zip(*(map(str, c.values.tolist()) for c in columns))))
     yield Heading("Certificate")
-    hashed = f"{harmless(job.stamp)}. " if job.stamp else ""
-    yield Paragraph(
-        f"{hashed}The command geomkin run --verify measures each file against the exact curves of the recipe."
-    )
+    yield Paragraph(harmless(job.stamp))
+    if job.certificate:
+        yield Paragraph("The files of the recipe, made again and compared, or measured against its exact curves:")
+        yield ReportTable((("file", "proved by", f"largest deviation, {unit.name}", "verdict"), *job.certificate))
+    else:
+        yield Paragraph("The files are not verified yet: geomkin run --verify measures them and puts the result here.")
     yield Paragraph("Checked by: ______________________    Date: ______________")
+    if source.parts:
+        yield Heading("Drawing")
+        yield Paragraph("All parts with their dimensions; the title block has the scale.")
+        yield Figure(f"{job.name}-report-drawing.svg", f"Dimensions in {unit.plural}", sheet(job), is_page=True)
 
 
 def _extremes(job: Job) -> Iterator[tuple[str, ...]]:
@@ -200,12 +200,16 @@ def _in_typst(block: Block) -> str:
             return f"#heading({_quoted(block.words)})"
         case Listing():
             return f"#block(breakable: true, raw(block: true, {_quoted(block.words.strip())}))"
+        case Figure(is_page=True):
+            width, height = re.findall(r'(?:width|height)="([\d.]+(?:mm|in))"', block.content.decode())[:2]
+            picture = f"image({_quoted(block.name)}, width: {width}, height: {height})"
+            return f"#page(width: {width}, height: {height}, margin: 0mm, numbering: none, {picture})"
         case Figure():
-            # A drawing is as wide as the page, and never higher.
-            return f"#figure(image({_quoted(block.name)}, width: 100%), caption: {_quoted(block.caption)})"
+            # Three plots fill a page.
+            return f"#figure(image({_quoted(block.name)}, width: 64%), caption: {_quoted(block.caption)})"
         case ReportTable():
-            cells = ", ".join(_quoted(cell) for row in block.rows for cell in row)
-            return f"#table(columns: {len(block.rows[0])}, stroke: 0.4pt, {cells})"
+            heads, cells = (", ".join(map(_quoted, row)) for row in (block.rows[0], sum(block.rows[1:], ())))
+            return f"#table(columns: {len(block.rows[0])}, stroke: 0.4pt, table.header({heads}), {cells})"
     return f"#par({_quoted(block.words)})"
 
 

@@ -140,7 +140,7 @@ def layer_pictures(job: Job) -> list[LayerPicture]:
     return [
         LayerPicture(still, layer, heading)
         for title, bodies in (scene.units or {"": scene.bodies}).items()
-        for still in [Still(_bare(scene, bodies), frames)]
+        for still in [Still(_parts_alone(scene, bodies), frames)]
         for layer, heading in _layers(still, title)
     ]
 
@@ -172,7 +172,7 @@ def steps_picture(job: Job) -> bytes:
     return svg_document(largest, tuple(box), f"{job.name}, assembly", about, css, body, job.unit)
 
 
-def _bare(scene: Scene, bodies: tuple[SceneBody, ...]) -> Scene:
+def _parts_alone(scene: Scene, bodies: tuple[SceneBody, ...]) -> Scene:
     """A scene of some bodies only, each with the name of its part."""
     named = (replace(body, name=part.name, parts=(part,), named=True) for body in bodies for part in body.parts)
     return replace(scene, bodies=tuple(named), marks=(), curves=(), regions=(), others={})

@@ -14,7 +14,7 @@ from ..core.units import LengthUnit
 from ..plane.vec import Complex, Real, Whole, rounded
 from .cut import Cut, decimals
 from .job import Job
-from .layout import lay_out
+from .layout import Sheet, lay_out, lay_out_on
 from .mesh import solid, solid_cut, triangles
 from .still import InPlace, in_place, rgb
 
@@ -38,7 +38,7 @@ def write_stl(job: Job) -> dict[str, bytes]:
         report(1.0, name)
         return content
 
-    return job.part_files("stl", job.solids, write)
+    return job.part_files("stl", job.printed, write)
 
 
 def stl(cut: Cut, stamp: str = "") -> bytes:
@@ -71,11 +71,19 @@ HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 NAMES = {"mm": "millimeter", "in": "inch"}
 
 
-def threemf(job: Job) -> bytes:
-    """The parts as a 3MF package; the same parts give the same bytes."""
-    sheet, items, unit = lay_out(job.solids), [], job.unit
-    objects = [mesh_object(number, cut.part.name, solid(cut), unit) for number, cut in enumerate(job.solids, 1)]
-    numbers = {id(cut): number for number, cut in enumerate(job.solids, 1)}
+def write_threemf(job: Job) -> dict[str, bytes]:
+    """One file per bed, by name; names from the second bed on have its number."""
+    cuts = job.printed
+    beds = lay_out_on(cuts, *job.sheet, by_thickness=False) if job.sheet else (lay_out(cuts),)
+    return job.sheet_files("3mf", lambda bed: threemf(bed, job), beds)
+
+
+def threemf(sheet: Sheet, job: Job) -> bytes:
+    """The parts on a bed as a 3MF package; the same parts give the same bytes."""
+    cuts = [cut for cut in job.printed if any(placed.cut is cut for placed in sheet.placed)]
+    items, unit = [], job.unit
+    objects = [mesh_object(number, cut.part.name, solid(cut), unit) for number, cut in enumerate(cuts, 1)]
+    numbers = {id(cut): number for number, cut in enumerate(cuts, 1)}
     for placed in sheet.placed:
         turn, shift = placed.turn, unit.of(placed.shift)
         # Adding 0 removes the sign of a negative zero.
@@ -120,7 +128,7 @@ TURN = 9
 def assembly_package(job: Job) -> bytes:
     """The assembled parts, mm, z up, moved as one so that no coordinate is negative, as slicers expect."""
     _, placed = in_place(job)
-    meshes = [solid(solid_cut(placement.part, job.tolerance)) for placement in placed]
+    meshes = [solid(job.printed_cut(placement.part)) for placement in placed]
     unit = job.unit
     objects = [mesh_object(k, one.name, mesh, unit) for k, (one, mesh) in enumerate(zip(placed, meshes), 1)]
     parts = "".join(

@@ -56,7 +56,7 @@ def svg(
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" {svg_size(sheet.width, sheet.height, unit)} '
         f'viewBox="0 0 {size[0]} {size[1]}" fill="none" stroke-width="{stroke}" style="background:#fff">',
-        f"<title>{escape(_plain(title))}</title>",
+        f"<title>{escape(_without_control_characters(title))}</title>",
         *([f"<desc>{escape(stamp)}</desc>"] if stamp else []),
     ]
     for number, placed in enumerate(sheet.placed, 1):
@@ -105,7 +105,7 @@ def _n(value: float, digits: int) -> str:
     return "0" if text == "-0" else text
 
 
-def _plain(text: str) -> str:
+def _without_control_characters(text: str) -> str:
     """Text without the control characters that XML forbids."""
     return "".join(c if c.isprintable() else " " for c in text)
 

@@ -128,7 +128,7 @@ def plot_file(table: Table, plot: Plot, dots: bool = False) -> bytes:
         *(_curve(across, up, x, row, _look(k, colours, dots), dots) for k, row in enumerate(rows)),
     ]
     grid = _grid(across, up, drive.unit, columns[0].unit, colours["grid"])
-    titles = _axis_titles(up, _named(drive), _quantity(columns))
+    titles = _axis_titles(up, _column_title(drive), _quantity(columns))
     return _file(plot.title, (*grid, *titles), lines, _legend(columns, up, colours, dots), up.start, len(columns))
 
 
@@ -258,11 +258,11 @@ def _legend(columns: Sequence[Column], up: _Axis, colours: dict[str, str], dots:
         yield f'<text x="{x + 36}" y="{y + 4}">{text(column.id.replace("_", " "))}</text>'
 
 
-def _named(column: Column) -> str:
+def _column_title(column: Column) -> str:
     return text(", ".join(filter(None, (column.id.replace("_", " "), unit_sign(column.unit)))))
 
 
 def _quantity(columns: Sequence[Column]) -> str:
     """The axis title upwards: the name if there is one curve, and the unit, which all curves share."""
     unit = "degrees" if columns[0].unit == "deg" else unit_sign(columns[0].unit) or "ratio"
-    return _named(columns[0]) if len(columns) == 1 else text(unit)
+    return _column_title(columns[0]) if len(columns) == 1 else text(unit)

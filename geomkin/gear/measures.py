@@ -16,6 +16,9 @@ from .contract import AbstractInvoluteGear
 from .pair import GearPair
 from .rack import RackPair
 
+# Steps of the diameters of measuring pins from a diameter on, mm, as in usual sets; chosen here.
+PIN_STEPS = ((10.0, 0.5), (1.5, 0.25), (0.0, 0.05))
+
 
 @record
 class SpanMeasure:
@@ -189,6 +192,23 @@ def _pin(gear: AbstractInvoluteGear, sign: int, half_space: float) -> float:
     m = min(max(roll_at(gear.pitch_radius + gear.profile_shift * gear.module, base), low), high)
     angle = m + sign * half_space
     return 2 * base * sign * (float(np.tan(angle)) - m) if angle < np.pi / 2 else float("inf")
+
+
+def over_stock_pins(gear: AbstractInvoluteGear, wanted: float | None = None) -> PinMeasure:
+    """The dimension over pins of a wanted diameter, mm, or of the nearest usual one, or over the best ones.
+
+    Raises DesignError if the gear cannot be measured over pins.
+    """
+    best = over_pins(gear)
+    step = next(step for least, step in PIN_STEPS if best.pin >= least)
+    nearest = round(best.pin / step) * step
+    for pin in (wanted, *sorted((nearest + k * step for k in range(-2, 3)), key=lambda pin: abs(pin - best.pin))):
+        try:
+            if pin is not None and pin > 0:
+                return over_pins(gear, pin)
+        except DesignError:
+            continue
+    return best
 
 
 @checked

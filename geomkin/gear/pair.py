@@ -102,6 +102,10 @@ class GearPair:
     DesignError
         If modules or pressure angles differ, the teeth jam, or no flanks are in contact.
 
+    See Also
+    --------
+    SpurGear, RingGear, gear_train
+
     Notes
     -----
     Lengths along the line of action are measured from the first gear's base circle. Centre distance, contact ratio and

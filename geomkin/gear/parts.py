@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import fields, replace
 from itertools import combinations
 from typing import Literal
 
@@ -104,32 +104,42 @@ class GearStock(AbstractBored):
         # The flat or keyway is under the tooth on +y, which marks that tooth during assembly.
         hole = self.hole(1j, gear.hole_room, key)
         cut = openings(self.web, self.hole_reach if hole else 0.0, gear.root_radius, f"{key}.web")
-        return (*hole, *self._attached(gear, bool(hole), key), *cut)
-
-    def _attached(self, gear: AbstractGear, is_bored: bool, key: str) -> tuple[AbstractCurve, ...]:
-        """Holes of the attachments; DesignError if they meet the bore, the web or the teeth."""
-        holes = attached_holes(((item, 0j) for item in self.attachments), self.clearance)
-        if holes and self.web:
+        if self.web and self.attachments:
             problem = "is given, and its openings may meet the holes of attachments"
             raise DesignError(f"{key}.web", problem, "omit it, or the attachments", "conflict")
-        for k, item in enumerate(self.attachments):
-            item.check(0j, self.clearance, f"{key}.attachments[{k}]")
-        least = self.hole_reach if is_bored else 0.0
-        for hole in holes:
-            inner, outer = abs(hole.centre) - hole.radius, abs(hole.centre) + hole.radius
-            if outer >= gear.root_radius or (is_bored and inner <= least):
-                reach = f"from {mm(max(inner, 0.0), outer, between=' to '):.4g} from the axis"
-                remedy = f"give holes between {mm(least, gear.root_radius, between=' and '):.4g}"
-                raise DesignError(f"{key}.attachments", f"found a hole {reach}", remedy)
-        for one, two in combinations(holes, 2):
-            if abs(one.centre - two.centre) <= one.radius + two.radius:
-                raise DesignError(f"{key}.attachments", "two holes meet", "give them other places")
-        return holes
+        room = self.hole_reach if hole else 0.0, gear.root_radius
+        return (*hole, *holes_about_axis(self.attachments, self.clearance, room, key), *cut)
 
     def hole_fits(self, gear: AbstractGear) -> tuple[HoleFit, ...]:
         """The fit of the bore, the first of the holes; empty for a rack."""
-        attached = (fit for item in self.attachments for _, fit in item.openings(0j, self.clearance))
-        return (*self.fits, *attached) if gear.hole_room else ()
+        return (*self.fits, *fits_about_axis(self.attachments, self.clearance)) if gear.hole_room else ()
+
+
+def holes_about_axis(
+    attachments: Sequence[Attachment], clearance: float, room: tuple[float, float], key: str
+) -> tuple[Circle, ...]:
+    """Holes of the attachments of a gear; DesignError if they leave their room, or meet.
+
+    room: inner and outer radius, mm; the inner one is 0 if nothing is there. key: of the stock in the recipe.
+    """
+    holes, (least, most) = attached_holes(((item, 0j) for item in attachments), clearance), room
+    for k, item in enumerate(attachments):
+        item.check(0j, clearance, f"{key}.attachments[{k}]")
+    for hole in holes:
+        inner, outer = abs(hole.centre) - hole.radius, abs(hole.centre) + hole.radius
+        if outer >= most or (least and inner <= least):
+            reach = f"from {mm(max(inner, 0.0), outer, between=' to '):.4g} from the axis"
+            remedy = f"give holes between {mm(least, most, between=' and '):.4g}"
+            raise DesignError(f"{key}.attachments", f"found a hole {reach}", remedy)
+    for one, two in combinations(holes, 2):
+        if abs(one.centre - two.centre) <= one.radius + two.radius:
+            raise DesignError(f"{key}.attachments", "two holes meet", "give them other places")
+    return holes
+
+
+def fits_about_axis(attachments: Sequence[Attachment], clearance: float) -> tuple[HoleFit, ...]:
+    """The fit of each of these holes."""
+    return tuple(fit for item in attachments for _, fit in item.openings(0j, clearance))
 
 
 @record(checked=True)
@@ -142,27 +152,34 @@ class RingStock:
         Thickness of the sheet, mm.
     rim : float, optional
         Thickness of the ring outside its teeth, mm.
+    clearance : float, optional
+        How much wider the holes of attachments are than their screws, mm.
     material : Material, optional
         Material of the ring.
+    attachments : tuple of Attachment, optional
+        What is screwed to the ring, outside its teeth.
     """
 
     thickness: float = quantity("thickness of the sheet", "mm", default=6.0, at_least=0.01, at_most=1000)
     rim: float = quantity("thickness of the ring outside its teeth", "mm", default=8.0, at_least=0.1, at_most=FARTHEST)
+    clearance: float = clearance(0.0)
     material: MaterialKey | None = material_entry("the ring")
+    attachments: tuple[Attachment, ...] = attachments_entry("the ring")
 
     def rim_under(self, gear: AbstractGear) -> float:
         """Thickness of the material outside the teeth, mm."""
         return self.rim
 
     def holes(self, gear: AbstractGear, key: str) -> tuple[AbstractCurve, ...]:
-        """No holes."""
+        """The holes of attachments. key: of the stock in the recipe, for messages."""
         if not gear.is_ring:
             raise DesignError(key, "found the stock of a ring for a wheel", "give a GearStock", "wrong-type")
-        return ()
+        room = gear.root_radius, gear.root_radius + self.rim
+        return holes_about_axis(self.attachments, self.clearance, room, key)
 
     def hole_fits(self, gear: AbstractGear) -> tuple[HoleFit, ...]:
-        """No fits."""
-        return ()
+        """The fits of these holes, which come before the teeth."""
+        return fits_about_axis(self.attachments, self.clearance)
 
 
 @checked
@@ -209,6 +226,9 @@ def gear_parts(
     """
     plate = plate_of(gear, name, stock.holes(gear, key), stock.thickness, stock.rim_under(gear), count)
     twist = _twist(gear, helix, stock.thickness)
+    if twist and gear.is_ring and stock.attachments:
+        problem = "is given for a ring with a helix, whose holes are twisted with its teeth"
+        raise DesignError(f"{key}.attachments", problem, "omit it, or give straight teeth", "conflict")
     return (replace(plate, fits=stock.hole_fits(gear), twist=twist, material=stock.material),)
 
 
@@ -225,9 +245,9 @@ def _twist(gear: AbstractGear, helix: Helix, face_width: float) -> Twist | None:
 def plate_of(
     gear: AbstractGear, name: str, holes: tuple[AbstractCurve, ...], thickness: float, rim: float, count: int = 1
 ) -> Part:
-    """A gear with holes; for a ring, a round plate with the teeth as its hole and a rim of a width, mm."""
+    """A gear with holes; for a ring, a round plate with the teeth as its last hole and a rim of a width, mm."""
     if gear.is_ring:
-        return Part(name, Circle(0j, gear.root_radius + rim), (gear.outline,), thickness, count=count, body=name)
+        return Part(name, Circle(0j, gear.root_radius + rim), (*holes, gear.outline), thickness, count=count, body=name)
     return Part(name, gear.outline, holes, thickness, count=count, body=name)
 
 
@@ -349,7 +369,7 @@ def _window(web: Web, inner: float, outer: float, key: str) -> Polyline:
 
 
 # Keys of a bore for which the mate has its own key, with the prefix mate_.
-BORE_KEYS = re.compile(r"\b(bore_form|bore|keyway_width|keyway_depth|flat)\b")
+BORE_KEYS = re.compile(r"\b(bore_form|bore|keyway_width|keyway_depth|flat|attachments)\b")
 
 
 @record
@@ -367,7 +387,8 @@ class AbstractMated(AbstractBored):
     mate_keyway_depth: float = keyway_depth("the mate's bore")
     mate_fit: Fit = fit_entry("the mate's bore")
     mate_bore_tolerance: HoleTolerance = bore_tolerance("the mate's bore")
-    rim: float = quantity("width of a ring outside its teeth", "mm", default=8.0, at_least=0.01, at_most=FARTHEST)
+    mate_attachments: tuple[Attachment, ...] = attachments_entry("the mate")
+    rim: float = quantity("width of a ring outside its teeth", "mm", default=8.0, at_least=0.1, at_most=FARTHEST)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -375,9 +396,9 @@ class AbstractMated(AbstractBored):
             _ = self.mate
 
     @property
-    def mate(self) -> AbstractBored:
+    def mate(self) -> GearStock:
         """The stock of the mate as a single gear."""
-        return AbstractBored(
+        return GearStock(
             thickness=self.thickness,
             bore=self.mate_bore,
             bore_form=self.mate_bore_form,
@@ -389,12 +410,13 @@ class AbstractMated(AbstractBored):
             interference=self.interference,
             clearance=self.clearance,
             material=self.material,
+            attachments=self.mate_attachments,
         )
 
-    def mate_hole(self, towards: complex, widest: float, key: str) -> tuple[AbstractCurve, ...]:
-        """The mate's bore about its axis; the parameters are those of `hole`."""
-        with _of_mate():
-            return self.mate.hole(towards, widest, key)
+    @property
+    def ring(self) -> RingStock:
+        """The stock of a mate that is a ring."""
+        return RingStock(self.thickness, self.rim, self.clearance, self.material, self.mate_attachments)
 
 
 @contextmanager
@@ -419,9 +441,19 @@ class PairStock(AbstractMated):
         As of `AbstractBored`: thickness of both sheets, and bore of the gear, mm.
     mate_bore, mate_bore_form, mate_flat, mate_keyway_width, mate_keyway_depth, mate_fit, mate_bore_tolerance : optional
         Bore of the mate, mm.
+    mate_attachments, attachments : tuple of Attachment, optional
+        What is screwed to the mate, and to the gear.
     rim : float, optional
         Width outside the teeth of a ring, mm.
     """
+
+    attachments: tuple[Attachment, ...] = attachments_entry("the gear")
+
+    @property
+    def gear(self) -> GearStock:
+        """The stock of the gear alone."""
+        bored = {field.name: getattr(self, field.name) for field in fields(AbstractBored)}
+        return GearStock(**bored, attachments=self.attachments)
 
 
 @record
@@ -434,6 +466,8 @@ class LanternStock(AbstractMated):
         As of `AbstractBored`: thickness of all sheets, and bore of the discs, mm.
     mate_bore, mate_bore_form, mate_flat, mate_keyway_width, mate_keyway_depth, mate_fit, mate_bore_tolerance : optional
         Bore of the wheel, mm.
+    mate_attachments : tuple of Attachment, optional
+        What is screwed to the wheel.
     rim : float, optional
         Width outside the teeth of a ring, mm.
     edge : float, optional
@@ -468,9 +502,7 @@ def pair_parts(gear: AbstractGear, mate: Conjugate, stock: PairStock) -> tuple[P
     DesignError
         If a bore does not fit.
     """
-    holes = stock.hole(1j, gear.hole_room, "stock")
-    plate = plate_of(gear, "gear", holes, stock.thickness, stock.rim)
-    return replace(plate, fits=() if gear.is_ring else stock.fits, material=stock.material), _mate(mate, stock)
+    return (*gear_parts(gear, stock.ring if gear.is_ring else stock.gear), _mate(mate, stock))
 
 
 @checked
@@ -518,8 +550,6 @@ def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -
 
 
 def _mate(mate: Conjugate, stock: PairStock | LanternStock) -> Part:
-    if mate.is_ring:
-        return replace(plate_of(mate, "ring", (), stock.thickness, stock.rim), material=stock.material)
-    hole = stock.mate_hole(1j, mate.hole_room, "stock")
-    plate = plate_of(mate, "mate", hole, stock.thickness, stock.rim)
-    return replace(plate, fits=stock.mate.fits, material=stock.material)
+    with _of_mate():
+        own: GearStock | RingStock = stock.ring if mate.is_ring else stock.mate
+        return gear_parts(mate, own, "ring" if mate.is_ring else "mate")[0]

@@ -287,11 +287,15 @@ def pair_assembly(
     plate: float | None,
     base: BaseStock | None = None,
     helix: Helix = Helix(),
+    snaps: bool = False,
 ) -> Assembly:
-    """Two gears in mesh, or a gear in its ring. plate: thickness of the plate that holds both shafts, mm, or None."""
+    """Two gears in mesh, or a gear in its ring. plate: thickness of the plate that holds both shafts, mm, or None.
+
+    snaps: whether printed pins take the place of the shafts.
+    """
     wheels = (first, second)
     motor = first.stock.motor if first.stock else None
-    builder = AssemblyBuilder("" if plate is None else "base", plate or 0.0, base, plate is not None, motor)
+    builder = AssemblyBuilder("" if plate is None else "base", plate or 0.0, base, plate is not None, motor, snaps)
     layer = builder.lowest
     if helix.herringbone:
         builder.add_step(
@@ -303,9 +307,7 @@ def pair_assembly(
             continue
         grip = (plate or 0.0) + wheel.stock.thickness
         builder.shaft(wheel.letter, wheel.name, wheel.stock, grip, layer)
-        step = seated(wheel.name, wheel.letter if builder.lettered else "", wheel.stock) + clear(
-            wheel.stock, builder.plate
-        )
+        step = builder.seated(wheel.name, wheel.letter, wheel.stock) + clear(wheel.stock, builder.plate)
         if wheel is second:
             step += ", both together" if helix.herringbone else f", in mesh with {first.name}, {MESH}"
         builder.add_step(layer, step)

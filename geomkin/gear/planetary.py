@@ -21,6 +21,7 @@ from .cutters import HelixAngle
 from .pair import GearPair
 from .ring import RingGear
 from .spur import SpurGear
+from .train import loss_factor
 
 
 @record
@@ -213,6 +214,44 @@ class PlanetarySet:
             others = " or ".join(name for name in MEMBERS if name != driver)
             raise DesignError("fixed", f"found {fixed}, which drives", f"give {others}", "conflict")
         return self._willis({driver: Fraction(1), fixed: Fraction(0)})
+
+    def efficiency(self, friction: float, driver: Member = "sun", fixed: Member = "ring") -> float:
+        """Share of the power of the driver that reaches the output.
+
+        Parameters
+        ----------
+        friction : float
+            Mean coefficient of friction of the flanks.
+        driver, fixed : {"sun", "carrier", "ring"}, optional
+            The member that drives, and another one that is held.
+
+        Returns
+        -------
+        float
+            0 if friction locks the set.
+
+        Notes
+        -----
+        Seen from the carrier the meshes lose power as if it stood still, from the sun to the ring or back; torques and
+        speeds relative to the frame then give the powers (Mueller, Die Umlaufgetriebe). Losses as of
+        `GearTrain.efficiencies`.
+
+        Examples
+        --------
+        >>> gears = gk.gear.PlanetarySet(gk.SpurGear(24, 2), gk.SpurGear(18, 2), gk.RingGear(60, 2, addendum=0.8))
+        >>> round(gears.efficiency(0.1), 3)
+        0.979
+        """
+        turns, output = self.turns(driver, fixed), next(m for m in MEMBERS if m not in (driver, fixed))
+        held = (1 - friction * loss_factor(self.inner)) * (1 - friction * loss_factor(self.outer))
+        for sun in (1.0, -1.0):
+            drives = sun * float(turns["sun"] - turns["carrier"]) > 0
+            ring = sun * self.ring.teeth / self.sun.teeth * (held if drives else 1 / held) if held > 0 else 0.0
+            torques = {"sun": sun, "ring": ring, "carrier": -sun - ring}
+            power = {name: torques[name] * float(turns[name]) for name in (driver, output)}
+            if power[driver] > 0 > power[output]:
+                return -power[output] / power[driver]
+        return 0.0
 
     def _willis(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """Speeds of all members from two of them."""

@@ -68,6 +68,7 @@ class GearRack(AbstractGear):
         "mm",
         default=0.0,
         at_least=0,
+        printed=0.5,
     )
     diametral_pitch: float | None = diametral_pitch()
 

@@ -279,6 +279,10 @@ class RingGear(AbstractInvoluteGear):
     DesignError
         If a size is out of range or the cutter leaves no complete teeth; the remedy names valid sizes.
 
+    See Also
+    --------
+    SpurGear, GearPair
+
     Notes
     -----
     The allowance rotates each side of a tooth, root curve and flank, by allowance / (2 pitch_radius), so the bottom
@@ -308,6 +312,7 @@ class RingGear(AbstractInvoluteGear):
         "mm",
         default=0.0,
         at_least=0,
+        printed=0.5,
     )
     diametral_pitch: float | None = diametral_pitch()
 

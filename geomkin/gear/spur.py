@@ -341,6 +341,10 @@ class SpurGear(AbstractInvoluteGear):
     DesignError
         If a size is out of range or the rack leaves no complete teeth; the remedy names the nearest valid size.
 
+    See Also
+    --------
+    RingGear, GearPair, GearTrain, conjugate
+
     Notes
     -----
     Flanks are involutes (ISO 21771); roots are the trochoids of the rack's rounded tips (Litvin and Fuentes, Gear
@@ -367,7 +371,11 @@ class SpurGear(AbstractInvoluteGear):
         at_most=5,
     )
     tooth_thickness_allowance: float = quantity(
-        "reduction of the thickness of each tooth along the pitch circle, for backlash", "mm", default=0.0, at_least=0
+        "reduction of the thickness of each tooth along the pitch circle, for backlash",
+        "mm",
+        default=0.0,
+        at_least=0,
+        printed=0.5,
     )
     tip_rounding: float = quantity("radius of the tip edges", "modules", default=0.0, at_least=0)
     tip_chamfer: float = quantity(

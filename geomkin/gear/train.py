@@ -68,6 +68,10 @@ class GearTrain:
     DesignError
         If a number of teeth is out of range, or there are more or fewer directions than stages.
 
+    See Also
+    --------
+    gear_train, GearPair
+
     Examples
     --------
     >>> train = gk.GearTrain(((10, 30), (8, 32)), module=2, directions_deg=(0, 180))
@@ -206,12 +210,12 @@ def loss_factor(pair: GearPair) -> float:
     Parameters
     ----------
     pair : GearPair
-        Two external gears in mesh.
+        Two gears in mesh.
 
     Returns
     -------
     float
-        H_V of `GearTrain.efficiencies`.
+        H_V of `GearTrain.efficiencies`; of a ring, 1/z2 is subtracted.
 
     Examples
     --------
@@ -222,7 +226,8 @@ def loss_factor(pair: GearPair) -> float:
     pitch_point = pair.first.base_radius * np.tan(pair.working_pressure_angle)
     before, after = (pitch_point - start) / pair.first.base_pitch, (end - pitch_point) / pair.first.base_pitch
     lengths = 1 - before - after + before**2 + after**2
-    return float(np.pi * (1 / pair.first.teeth + 1 / pair.second.teeth) * lengths)
+    side = -1 if pair.is_internal else 1
+    return float(np.pi * (1 / pair.first.teeth + side / pair.second.teeth) * lengths)
 
 
 # Rows of the table of a train: one rotation of the first gear in degrees.
@@ -324,6 +329,10 @@ def gear_train(
     ------
     DesignError
         If no train within the bounds has the ratio; the message names the nearest one.
+
+    See Also
+    --------
+    GearTrain, GearPair
 
     Notes
     -----

@@ -77,7 +77,7 @@ class GenevaWheel:
     )
     clearance: float = quantity(
         "how much wider the slots are than the rollers, and twice the gap between wheel and locking disc",
-        "mm", default=0.2, at_least=0, at_most=FARTHEST,
+        "mm", default=0.2, at_least=0, at_most=FARTHEST, printed=1.0,
     )  # fmt: skip
     tip_width: float = quantity(
         "width of the wheel's tips between slot and locking arc", "mm", default=2.0, above=0, at_most=FARTHEST

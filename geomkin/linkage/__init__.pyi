@@ -105,6 +105,8 @@ from .scene_instants import inflection_scene as inflection_scene
 from .scene_instants import polygons_scene as polygons_scene
 from .solve.continuation import Root as Root
 from .solve.continuation import newton_raphson as newton_raphson
+from .straightness import StraightPart as StraightPart
+from .straightness import straight_part as straight_part
 from .tolerance_analysis import SampledDeviations as SampledDeviations
 from .tolerance_analysis import ToleranceAnalysis as ToleranceAnalysis
 from .tolerance_analysis import tolerances as tolerances

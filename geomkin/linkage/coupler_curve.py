@@ -68,6 +68,10 @@ class CouplerCurve(AbstractCurve):
     DesignError
         If the linkage has no such point, or cannot be assembled over the whole span.
 
+    See Also
+    --------
+    move, path_generator, curvature
+
     Notes
     -----
     Derived here.

@@ -74,6 +74,10 @@ def driver_limits(
     DesignError
         If the span is missing although the ranges have no end, or the branch or estimate needs a start.
 
+    See Also
+    --------
+    move, least_transmission_angle
+
     Notes
     -----
     Derived here: in closed form if the driver alone moves a dyad, otherwise by bisection to the last bit. A

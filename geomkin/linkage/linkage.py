@@ -114,6 +114,10 @@ class Linkage(AbstractLinkage):
         If a name is not allowed or used twice, a point is not finite, a slider or the driver names no body, or the
         driver could be meant as an angle and as a displacement.
 
+    See Also
+    --------
+    Slider, PinInSlot, FourBar, move
+
     Examples
     --------
     >>> import geomkin as gk

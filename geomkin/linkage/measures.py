@@ -173,6 +173,10 @@ def least_transmission_angle(motion: Motion) -> Real:
     array, shape () or (linkages,)
         rad; nan if no frame has a transmission angle.
 
+    See Also
+    --------
+    move, driver_limits, crank_rocker
+
     Examples
     --------
     >>> import numpy as np

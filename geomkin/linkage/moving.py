@@ -57,7 +57,6 @@ def _find_plan(linkage: Linkage, follow: bool) -> tuple[Placement, ...]:
     _check_mobility(linkage)
     planner = Planner(linkage, follow)
     planner.drive()
-    planner.gears()
     # Every round finds at least the direction or the position of one body.
     for _ in range(2 * len(linkage.bodies)):
         if not (planner.place_determined() or planner.place_dyad()):
@@ -100,8 +99,6 @@ class Planner:
         self.placements: list[Placement] = []
         self.oriented = {linkage.ground}
         self.placed = {linkage.ground}
-        # Ratio of the bodies that gears turn with the driver, and their angle, rad, where the drive is 0.
-        self.geared: dict[str, tuple[float, float]] = {}
         slider = linkage.driven_slider
         # The slider of an actuator between two moving bodies, one of which may be pinned to the ground.
         self.actuator = slider if slider and linkage.ground not in (slider.body, slider.along) else None
@@ -112,7 +109,6 @@ class Planner:
         if slider is None:
             self.placements.append(RevoluteInput(self.linkage.driver))
             self.oriented.add(self.linkage.driver)
-            self.geared[self.linkage.driver] = 1.0, 0.0
         elif self.actuator:
             self.placements.append(StrokeInput(slider.name))
         else:
@@ -121,29 +117,13 @@ class Planner:
             self.oriented.add(body)
             # The displacement of a body is along the line's direction, that of a slider is that of its sliding body.
             self.slide(slider, body, -1 if slider.along == body == self.linkage.driver else 1)
-
-    def gears(self) -> None:
-        """Place the directions of the bodies that gears connect with the driver, which must be all geared ones."""
-        waiting = list(self.linkage.meshes)
-        while waiting:
-            mesh = next((mesh for mesh in waiting if {*mesh.bodies} & {*self.geared}), None)
-            if mesh is None:
-                problem = (
-                    f"{waiting[0].name} joins {' and '.join(waiting[0].bodies)}, of which none is geared to the driver"
-                )
-                raise DesignError("meshes", problem, f"let {waiting[0].bodies[0]} drive, by its angle", "conflict")
-            waiting.remove(mesh)
-            first, second = mesh.bodies
-            body, other = (second, first) if first in self.geared else (first, second)
-            (ratio, start), by = self.geared[other], mesh.ratio_of(body)
-            shift = mesh.angle if body == second else -by * mesh.angle
-            self.geared[body] = by * ratio, by * start + shift
-            self.placements.append(GearedBody(body, *self.geared[body]))
+        for body, turn in _geared_bodies(self.linkage).items():
+            self.placements.append(GearedBody(body, *turn))
             self.oriented.add(body)
 
     def slide(self, slider: Slider, body: str, sense: int = 1) -> None:
         """Place a body of known direction by the driven slider, relative to the slider's other body."""
-        other = _other(slider, body)
+        other = _other_body(slider, body)
         local, through, direction = _stroke_line(slider, other)
         self.placements.append(PrismaticInput(body, local, Anchor(other, through), SlideAxis(other, sense * direction)))
         self.placed.add(body)
@@ -363,7 +343,9 @@ class Planner:
         return ActuatorBar(start, _stroke_line(self.actuator, end)[2])
 
     def rails_to_placed(self, body: str) -> list[AbstractSlide]:
-        return [slide for slide in self.linkage.slides if body in slide.bodies and _other(slide, body) in self.placed]
+        return [
+            slide for slide in self.linkage.slides if body in slide.bodies and _other_body(slide, body) in self.placed
+        ]
 
     def inner_pins(self, one: str, two: str) -> list[tuple[str, tuple[str, str], Arms]]:
         """Connections from `one` to `two` over pins that are not placed yet: name, the two pins, arms between them.
@@ -389,17 +371,35 @@ class Planner:
         # The line of a slot turns with the body of the slot alone.
         if not isinstance(slide, Slider):
             return SlideAxis(slide.along, slide.direction)
-        other = _other(slide, body)
+        other = _other_body(slide, body)
         return SlideAxis(other, _line_on(slide, other)[2])
 
     def start(self, slider: AbstractSlide, body: str, arms: Arms) -> Anchor:
         """Position of the body's origin, plus `arms`, when the body's point is at the rail's own point."""
-        other = _other(slider, body)
+        other = _other_body(slider, body)
         local, through = _points_on(slider, other)
         return Anchor(other, through, ((body, -local), *arms))
 
 
-def _other(slider: AbstractSlide, body: str) -> str:
+def _geared_bodies(linkage: Linkage) -> dict[str, tuple[float, float]]:
+    """The bodies that gears turn with the driver: their ratio to it, and their angle, rad, where the drive is 0."""
+    found = {} if linkage.driven_slider else {linkage.driver: (1.0, 0.0)}
+    waiting = list(linkage.meshes)
+    while waiting:
+        mesh = next((mesh for mesh in waiting if {*mesh.bodies} & found.keys()), None)
+        if mesh is None:
+            names = " and ".join(waiting[0].bodies)
+            problem = f"{waiting[0].name} joins {names}, of which none is geared to the driver"
+            raise DesignError("meshes", problem, f"let {waiting[0].bodies[0]} drive, by its angle", "conflict")
+        waiting.remove(mesh)
+        first, second = mesh.bodies
+        body, other = (second, first) if first in found else (first, second)
+        (ratio, start), by = found[other], mesh.ratio_of(body)
+        found[body] = by * ratio, by * start + (mesh.angle if body == second else -by * mesh.angle)
+    return {body: turn for body, turn in found.items() if body != linkage.driver}
+
+
+def _other_body(slider: AbstractSlide, body: str) -> str:
     return slider.along if body == slider.body else slider.body
 
 
@@ -464,6 +464,10 @@ def move(
     ------
     DesignError
         If an argument is not allowed, a branch names no joint or point, or the linkage is over- or under-constrained.
+
+    See Also
+    --------
+    forces, driver_limits, least_transmission_angle, CouplerCurve, Continuation
 
     Notes
     -----

@@ -45,6 +45,10 @@ class SliderCrank(AbstractLinkage):
     DesignError
         If a size is out of range, or crank and coupler together do not reach the slide line.
 
+    See Also
+    --------
+    FourBar, InvertedSliderCrank, Shaper, move
+
     Notes
     -----
     Lengths may be arrays, one value for each of many linkages.
@@ -140,6 +144,10 @@ class InvertedSliderCrank(AbstractLinkage):
     ------
     DesignError
         If a size is out of range, or the offset is larger than the distance that the crank pin reaches.
+
+    See Also
+    --------
+    SliderCrank, Shaper, PinInSlot, move
     """
 
     ground: FloatOrArray = quantity(
@@ -224,6 +232,10 @@ class EllipticTrammel(AbstractLinkage):
         Direction of the first slot, deg, from -360 to 360.
     points : dict of str to dict of str to complex
         Further points of bodies by name, mm in the frame of the body.
+
+    See Also
+    --------
+    ScotchYoke, OldhamCoupling, Linkage, move
     """
 
     rod: FloatOrArray = quantity("distance between the rod's two pins", "mm", above=0, at_most=FARTHEST, example=60)
@@ -279,6 +291,10 @@ class ScotchYoke(AbstractLinkage):
         Direction in which the yoke slides, deg, from -360 to 360.
     points : dict of str to dict of str to complex
         Further points of bodies by name, mm in the frame of the body.
+
+    See Also
+    --------
+    EllipticTrammel, OldhamCoupling, Linkage, move
 
     Examples
     --------
@@ -339,6 +355,10 @@ class OldhamCoupling(AbstractLinkage):
         Direction from the driving to the driven shaft, deg, from -360 to 360.
     points : dict of str to dict of str to complex
         Further points of bodies by name, mm in the frame of the body.
+
+    See Also
+    --------
+    ScotchYoke, EllipticTrammel, Linkage, move
     """
 
     shift: FloatOrArray = quantity("distance between the two shafts", "mm", above=0, at_most=FARTHEST, example=6)
@@ -401,6 +421,10 @@ class Shaper(AbstractLinkage):
     ------
     DesignError
         If a size is out of range, or the crank is not shorter than the ground.
+
+    See Also
+    --------
+    InvertedSliderCrank, SliderCrank, move
     """
 
     ground: float = quantity("from crank pivot to lever pivot", "mm", above=0, at_most=FARTHEST, example=90)
@@ -482,6 +506,10 @@ class FourBar(AbstractLinkage):
     ------
     DesignError
         If a size is out of range, or one link is as long as the other three together.
+
+    See Also
+    --------
+    SliderCrank, StephensonSixBar, WattSixBar, Linkage, move, crank_rocker
 
     Notes
     -----

@@ -286,8 +286,8 @@ def _largest(values: Complex) -> float:
 NOTHING = 1e-9
 
 
-def link_dimensions(linkage: Linkage) -> Iterator[SceneCurve]:
-    """Dimensions of every link between its joints, and of every slide's offset from the first joint of its guide."""
+def link_distances(linkage: Linkage) -> Iterator[tuple[str, str, str, complex, complex]]:
+    """Body, names and places of the joints between which every link is dimensioned, mm in its frame."""
     least = NOTHING * float(np.max(linkage.size))
     joints = {name: _joint_positions(linkage, name) for name in linkage.bodies}
     for body, places in joints.items():
@@ -295,8 +295,16 @@ def link_dimensions(linkage: Linkage) -> Iterator[SceneCurve]:
         pairs = combinations(places.items(), 2) if len(places) <= 3 else pairwise(places.items())
         for (one, start), (other, end) in pairs:
             if abs(end - start) > least:
-                words = f"{mm(abs(end - start)):.5g}, {one} to {other}".replace("_", " ")
-                yield dimension(start, end, words, body)
+                yield body, one, other, start, end
+
+
+def link_dimensions(linkage: Linkage) -> Iterator[SceneCurve]:
+    """Dimensions of every link between its joints, and of every slide's offset from the first joint of its guide."""
+    for body, one, other, start, end in link_distances(linkage):
+        words = f"{mm(abs(end - start)):.5g}, {one} to {other}".replace("_", " ")
+        yield dimension(start, end, words, body)
+    least = NOTHING * float(np.max(linkage.size))
+    joints = {name: _joint_positions(linkage, name) for name in linkage.bodies}
     for slider in linkage.slides:
         line = complex(np.asarray(slider.direction))
         for name, place in list(joints[slider.along].items())[:1]:

@@ -80,7 +80,8 @@ def linkage_handles(linkage: AbstractLinkage, motion: Motion, key: str = "linkag
             body = next(body for body, points in general.bodies.items() if name in points)
             at = body_point(motion, body, complex(general.bodies[body][name]) + ARMS["unused"] * step / CHANGE)
         taken.append(at)
-        yield SceneHandle(id, label, keys, at)
+        anchor = _anchor(motion, id)
+        yield SceneHandle(id, label, keys, at, anchor=None if np.array_equal(anchor, at, equal_nan=True) else anchor)
 
 
 def _differences(one: Linkage, other: Linkage) -> Iterator[str]:
@@ -122,6 +123,17 @@ def handle_position(motion: Motion, id: str) -> Complex:
         slider = next(s for s in linkage.slides if s.name == name)
         position = motion.bodies[slider.along].point(slider.through + arm * slider.direction).position
     return np.where(motion.assembled, position, np.nan)
+
+
+def _anchor(motion: Motion, id: str) -> Complex:
+    """Positions of what the handle of this id moves: a point, the origin of a body, or a point of a slide's line."""
+    sort, _, name = id.partition(":")
+    if sort == "point":
+        return handle_position(motion, id)
+    if name in motion.linkage.bodies:
+        return body_point(motion, name, 0j)
+    slider = next(s for s in motion.linkage.slides if s.name == name)
+    return body_point(motion, slider.along, complex(slider.through))
 
 
 def stroke_handles(motion: Motion, start: float, end: float) -> Iterator[SceneHandle]:

@@ -31,6 +31,10 @@ class StephensonSixBar(AbstractLinkage):
         Ground pivot of the output link, mm from the crank pivot.
     points : dict of str to dict of str to complex
         Further points of bodies by name, mm in the frame of the body.
+
+    See Also
+    --------
+    WattSixBar, FourBar, Linkage, move
     """
 
     four_bar: FourBar
@@ -71,6 +75,10 @@ class WattSixBar(AbstractLinkage):
         Ground pivot of the output link, mm from the crank pivot.
     points : dict of str to dict of str to complex
         Further points of bodies by name, mm in the frame of the body.
+
+    See Also
+    --------
+    StephensonSixBar, FourBar, Linkage, move
     """
 
     four_bar: FourBar

@@ -500,6 +500,10 @@ def tolerances(motion: Motion, of: str, lengths: Amounts = 0.0, clearances: Amou
     DesignError
         If there is no such output, length or pin, or the motion is of arrays of linkages.
 
+    See Also
+    --------
+    move, sweep
+
     Notes
     -----
     Worst case and root sum square are linearised: they hold for deviations that are small compared with the linkage,

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 from ..core.records import record
 from ..core.units import marked
+from ..model.check import Check
 from ..model.part import Bought
 from ..recipe.recipe import AbstractRecipe
 from .mechanism import Mechanism
@@ -37,6 +38,11 @@ class MachineAssembly:
             for item in shaft.bought:
                 _add(lines, item)
         return tuple(lines.values())
+
+    @property
+    def snap_checks(self) -> tuple[Check, ...]:
+        """None: its pins are bought."""
+        return ()
 
     @property
     def shaft_items(self) -> tuple[Bought, ...]:

@@ -18,12 +18,12 @@ from ..core.records import record
 from ..core.units import marked, mm
 from ..model.check import Check
 from ..model.material import Mass
-from ..model.motor import RPM
 from ..model.part import Part
 from ..model.scene import Scene, SceneHandle
 from ..model.table import Table
 from ..plane.vec import Pose, Real
 from ..recipe.aspect import ALONE, Setting, ShaftPlacement
+from ..recipe.composed import AbstractComposedRecipe
 from ..recipe.load import from_table, to_toml
 from ..recipe.recipe import AbstractAssembledRecipe, AbstractGoal, AbstractRecipe, Additions, assembly_summary
 from ..recipe.settings import SLOWEST_RPM, Files
@@ -59,6 +59,8 @@ class MachineDrive:
 # Keys of a mechanism that the machine decides for all, and those of one that another mechanism turns.
 OF_MACHINE = ("loads.run", "loads.motors", "loads.speed_fluctuation", "drive.acceleration_rad_per_s2")
 OF_DRIVER = ("loads.motor",)
+# Notes of mechanisms that state teeth; meshes, which have a centre distance, are others.
+TEETH = ("measures_mm", "helix", "wheels", "belt", "chain")
 
 
 class MachineAdditions(Additions):
@@ -90,6 +92,8 @@ class MachineRecipe(AbstractAssembledRecipe):
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
+        print_mechanisms(self)
         names = list(self.mechanisms)
         if not 1 < len(names) <= MOST_MECHANISMS:
             raise DesignError("mechanisms", f"found {len(names)}", f"give 2 to {MOST_MECHANISMS}", "out-of-range")
@@ -117,20 +121,13 @@ class MachineRecipe(AbstractAssembledRecipe):
             # Raises for shafts that do not join, and for a long period. A goal would search for its mechanism first.
             self.graph.period  # noqa: B018
 
-    @cached_property
+    @property
     def recipes(self) -> Mapping[str, AbstractRecipe]:
-        """The recipe of each mechanism at its speed and in its position in this machine.
+        """The recipe of each mechanism at its speed, in its position and under its loads in this machine.
 
         Equal ones are the same object, so that their parts are computed once.
         """
-        placed: dict[tuple[int, Setting], AbstractRecipe] = {}
-        recipes = {}
-        for name, recipe in alone(self.mechanisms).items():
-            speed = float(self.graph.speeds[name]) * RPM * self.drive.speed_rpm
-            setting = ShaftPlacement(self.poses[name], self.mechanisms[name].mirrored).setting(speed)
-            key = (id(recipe), setting if recipe.depends_on_setting else ALONE)
-            recipes[name] = placed.setdefault(key, recipe.in_setting(setting))
-        return recipes
+        return self.torques.loaded_recipes
 
     @cached_property
     def graph(self) -> ShaftGraph:
@@ -196,7 +193,7 @@ class MachineRecipe(AbstractAssembledRecipe):
     @cached_property
     def torques(self) -> MachineTorques:
         """Torques on the drivers of all mechanisms under their loads."""
-        return MachineTorques(self.graph, self.mechanisms, self.recipes, self.turns, self.drive.speed_rpm)
+        return MachineTorques(self.graph, self.mechanisms, moving(self), self.turns, self.drive.speed_rpm)
 
     @cached_property
     def scene(self) -> Scene:
@@ -272,6 +269,7 @@ class MachineRecipe(AbstractAssembledRecipe):
         turns = {name: str(graph.period * speed) for name, speed in graph.speeds.items()}
         return {
             "period_turns": {"driver": str(graph.period), **turns},
+            **gear_notes(self.recipes),
             **self.torques.summary,
             **assembly_summary(self),
         }
@@ -316,6 +314,51 @@ def alone(mechanisms: Mapping[str, Mechanism]) -> Mapping[str, AbstractRecipe]:
         equal = (r for r in recipes if type(r) is type(mechanism.recipe) and r == mechanism.recipe)
         recipes.append(next(equal, mechanism.recipe))
     return dict(zip(mechanisms, recipes))
+
+
+def print_mechanisms(machine: MachineRecipe) -> None:
+    """Print all mechanisms as the machine is printed."""
+    printed = {}
+    for name, mechanism in machine.mechanisms.items():
+        if (inner := mechanism.recipe).printing == machine.printing:
+            continue
+        if machine.printing is None:
+            remedy = "give the table printing of the machine, which is that of all its mechanisms"
+            raise DesignError(f"mechanisms.{name}.recipe.printing", "is given", remedy, "conflict")
+        with errors_of(name):
+            recipe = replace(inner, printing=machine.printing).with_name(inner.name)
+        object.__setattr__(recipe, "loaded_table", inner.loaded_table)
+        printed[name] = replace(mechanism, recipe=recipe)
+    if printed:
+        object.__setattr__(machine, "mechanisms", {**machine.mechanisms, **printed})
+
+
+def gear_notes(recipes: Mapping[str, AbstractRecipe]) -> Mapping[str, object]:
+    """Data of the teeth and meshes of each mechanism, as drawings state them."""
+
+    def is_geometry(key: str, note: object) -> bool:
+        return key in TEETH or (isinstance(note, Mapping) and "centre_distance_mm" in note)
+
+    found = {}
+    for name, recipe in recipes.items():
+        # Those of aspects, such as loads, are not needed.
+        notes = recipe.own_notes[0] if isinstance(recipe, AbstractComposedRecipe) else recipe.notes
+        if geometry := {key: note for key, note in notes.items() if is_geometry(key, note)}:
+            found[name] = geometry
+    return {"mechanisms": found} if found else {}
+
+
+def moving(machine: MachineRecipe) -> Mapping[str, AbstractRecipe]:
+    """The recipe of each mechanism at its speed and in its position, without the torques that others take from it."""
+    placed: dict[tuple[int, Setting], AbstractRecipe] = {}
+    recipes = {}
+    for name, recipe in alone(machine.mechanisms).items():
+        # In this order, by which a mechanism at the ratio 1 has the loads of its own recipe to the last digit.
+        speed = float(machine.graph.speeds[name]) * machine.drive.speed_rpm * np.pi / 30
+        setting = ShaftPlacement(machine.poses[name], machine.mechanisms[name].mirrored).setting(speed)
+        key = (id(recipe), setting if recipe.depends_on_setting else ALONE)
+        recipes[name] = placed.setdefault(key, recipe.in_setting(setting))
+    return recipes
 
 
 def check_settings(key: str, mechanism: Mechanism) -> None:

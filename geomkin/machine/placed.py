@@ -159,6 +159,7 @@ class PlacedMechanism:
                     keys=tuple(f"mechanisms.{self.name}.recipe.{key}" for key in handle.keys),
                     at=self.placement.place(at),
                     arrow=complex(self.placement.vector(handle.arrow)),
+                    anchor=None,
                 )
 
     @property

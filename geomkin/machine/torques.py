@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -13,6 +14,7 @@ from ..making.motors import MOTORS, motor_check, motor_summary, nearest_motor, s
 from ..model.check import Check
 from ..model.motor import RPM, Motor, MotorDuty
 from ..plane.vec import Real, without_rounding
+from ..recipe.aspect import Setting
 from ..recipe.recipe import AbstractRecipe
 from .mechanism import Mechanism
 from .placed import TORQUE
@@ -27,8 +29,8 @@ BETWEEN = 3
 class MachineTorques:
     """The torques of a machine.
 
-    graph: its shafts. mechanisms, recipes: by name; the recipes are in their settings. turns: rotations of the driver
-    at the frames. speed_rpm: of the driver.
+    graph: its shafts. mechanisms, recipes: by name; the recipes are in their settings, without the torques that others
+    take from them. turns: rotations of the driver at the frames. speed_rpm: of the driver.
     """
 
     graph: ShaftGraph
@@ -72,6 +74,26 @@ class MachineTorques:
         """Rotations of the driver in smaller steps than those of the table, and the torques on all drivers there."""
         turns = np.linspace(0, self.turns[-1], BETWEEN * (len(self.turns) - 1) + 1)
         return turns, self.by_driver_at(turns)
+
+    @cached_property
+    def loaded_recipes(self) -> Mapping[str, AbstractRecipe]:
+        """The recipes with the torques that what they turn takes from them, for the strength of gears and belts."""
+        recipes, placed = dict(self.recipes), dict[tuple[int, Setting], AbstractRecipe]()
+        for name, recipe in self.recipes.items():
+            if recipe.carries_torques and recipe.depends_on_setting:
+                setting = replace(recipe.setting, torques=self._taken_from(name))
+                recipes[name] = placed.setdefault((id(recipe), setting), recipe.in_setting(setting))
+        return recipes
+
+    def _taken_from(self, name: str) -> tuple[tuple[str, float], ...]:
+        """Bodies of a mechanism that turn others, and the largest torque of all these, N mm."""
+        taken = dict[str, Real]()
+        for other, (turned_by, body) in self.graph.sources.items():
+            torque = self.dense[1].get(other)
+            if turned_by == name and torque is not None and np.isfinite(torque).all():
+                ratio = self.graph.speeds[other] / (self.graph.speeds[name] * self.graph.bodies[name][body].speed)
+                taken[body] = taken.get(body, 0.0) + float(ratio) * torque
+        return tuple((body, float(np.abs(torque).max())) for body, torque in taken.items())
 
     @cached_property
     def duty(self) -> MotorDuty | None:

@@ -12,6 +12,7 @@ from ..core.errors import DesignError
 from ..core.fields import FARTHEST, inside, quantity, to_digits
 from ..core.records import record
 from ..core.units import InText, mm
+from ..model.check import Check
 from ..model.part import Bought, HoleFit, Part
 from ..model.scene import layer_name
 from ..plane.curve import AbstractCurve
@@ -21,6 +22,8 @@ from ..plane.vec import Complex
 from .bores import PARALLEL_KEYS, SMALLEST, AbstractBored, clearance, key_of, widened
 from .fasteners import Fastener, ThreadDiameter, gathered, screw_text, size_of
 from .motors import MotorFace, MountedMotorKey, face_of, fixed_under
+from .snap_pins import PLAY as SNAP_PLAY
+from .snap_pins import PinPlace, SnapPin, alike, snap_checks
 
 
 @record(checked=True)
@@ -302,11 +305,19 @@ class Assembly:
         Instructions, one line for each layer from bottom to top.
     shaft_items : tuple of Bought, optional
         Shafts without motors, and their collars, which are in `bought` too; each for one joint only.
+    snap_pins : tuple of PinPlace, optional
+        Printed pins in place of shafts.
     """
 
     bought: tuple[Bought, ...]
     steps: tuple[str, ...]
     shaft_items: tuple[Bought, ...] = ()
+    snap_pins: tuple[PinPlace, ...] = ()
+
+    @property
+    def snap_checks(self) -> tuple[Check, ...]:
+        """Checks of the printed pins."""
+        return snap_checks(self.snap_pins)
 
 
 class AssemblyBuilder:
@@ -324,6 +335,8 @@ class AssemblyBuilder:
         Whether letters are engraved at the holes.
     motor : str or MotorFace, optional
         Motor of the lowest wheel. It is under the base or, without a base, on its own plate under all others.
+    snaps : bool
+        Whether printed pins take the place of shafts and collars.
     """
 
     def __init__(
@@ -333,7 +346,9 @@ class AssemblyBuilder:
         base: BaseStock | None = None,
         lettered: bool = False,
         motor: MountedMotorKey | None = None,
+        snaps: bool = False,
     ):
+        self.snaps, self._snap_pins = snaps, list[tuple[int, PinPlace]]()
         self.plate, self.thickness, self.base, self.lettered = plate, thickness, base, lettered
         self._bills: list[tuple[str, Bill]] = []
         self._shaft_items: list[Bought] = []
@@ -388,6 +403,13 @@ class AssemblyBuilder:
             if not self._motor_layers:
                 self.add_step(0, fixed_under(self.plate, letter, len(face_of(stock.motor).screws)))
             return
+        if self.snaps:
+            if not self.plate or stock.bore_form != "round" or any(stock.keyway) or stock.is_pressed or not stock.bore:
+                problem = f"found snap, but {part} has no round bore that runs on a pin in a plate"
+                remedy = 'give a round bore without a press fit and a base, or "bought"'
+                raise DesignError("printing.pins", problem, remedy, "conflict")
+            self.snap_pin(letter, stock, stock.bore, grip, top)
+            return
         if not stock.bore:
             return
         width = collar_width(stock.bore)
@@ -402,6 +424,17 @@ class AssemblyBuilder:
             self.add_step(1, f"put a tube of {mm(gap):g} on {shaft_name}")
         collars = f"fit a collar on {shaft_name}" if self.plate else f"fit a collar on each end of {shaft_name}"
         self._upper_collars.append((top, collars))
+
+    def seated(self, part: str, letter: str, stock: AbstractBored) -> str:
+        """The step that puts a wheel or cam on its shaft, or over the hole of its printed pin."""
+        has_pin = self.snaps and stock.motor is None
+        return f"lay {part} over {letter}" if has_pin else seated(part, letter if self.lettered else "", stock)
+
+    def snap_pin(self, letter: str, stock: AbstractBored, diameter: float, grip: float, top: int) -> None:
+        """Add a printed pin, pressed in from above after the layer `top`. grip: total height of its plates, mm."""
+        pin = SnapPin(diameter, "snap", SNAP_PLAY, clearance=stock.clearance)
+        self._snap_pins.append((top, PinPlace(letter, pin, grip, stock.material)))
+        self.keep_free_below(pin.ends(grip)[1])
 
     def keep_free_below(self, height: float) -> None:
         """Reserve a height under the plate, mm."""
@@ -451,8 +484,14 @@ class AssemblyBuilder:
                 self._last.insert(0, f"keep {mm(free):g} free under {self.plate}")
         for layer, step in self._upper_collars:
             self.add_step(layer, step)
+        places = tuple(place for _, place in self._snap_pins)
+        names = {place.letter: name for name, group in alike(places).items() for place in group}
+        for layer, place in self._snap_pins:
+            self.add_step(
+                layer, f"press {names[place.letter]} into {place.letter} from above until the barbs snap out below"
+            )
         layers = (f"{layer_name(layer)}: {'; '.join(self._layers[layer])}" for layer in sorted(self._layers))
-        return Assembly(gathered(self._bills), (*layers, *self._last), tuple(self._shaft_items))
+        return Assembly(gathered(self._bills), (*layers, *self._last), tuple(self._shaft_items), places)
 
     def _add_motor_feet(self, motor: MotorFace, free: float, feet: int) -> None:
         """Feet for a base over a motor, which is sold in several lengths. free: least height under the base, mm."""

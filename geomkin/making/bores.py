@@ -37,7 +37,12 @@ def shaft(item: str, default: float, fitted: bool = False) -> Any:
 def clearance(default: float) -> Any:
     """The field of stock tables for the clearance of holes."""
     return quantity(
-        "how much wider a hole is than its pin or shaft", "mm", default=default, at_least=0, at_most=FARTHEST
+        "how much wider a hole is than its pin or shaft",
+        "mm",
+        default=default,
+        at_least=0,
+        at_most=FARTHEST,
+        printed=1.0,
     )
 
 

@@ -151,11 +151,12 @@ class Fastener:
     form: "screw" is a screw of a standard length with a nut and a washer or, if no screw is long enough, a threaded rod
     with a nut and a washer at each end. "rod" is a plain rod, cut flush and glued or pressed into the plate at each end
     that moves with it. play: axial play, mm, so that plates can rotate. head_height: height of the head, mm, if it is
-    not that of the standard. tolerance: tolerance class of a rod by ISO 286, such as "g6".
+    not that of the standard. tolerance: tolerance class of a rod by ISO 286, such as "g6". "snap" is a
+    printed pin, a `SnapPin`.
     """
 
     diameter: float
-    form: Literal["screw", "rod"]
+    form: Literal["screw", "rod", "snap"]
     play: float
     head_height: float | None = None
     tolerance: str = ""

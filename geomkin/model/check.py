@@ -67,6 +67,10 @@ class Check:
         The reason that the recipe gives for an intended failure; "" if there is none.
     suggestions : tuple of Suggestion
         Changes of the recipe's values, each of which lets the check pass; empty if none is known.
+
+    See Also
+    --------
+    FailedChecksError, make
     """
 
     id: str
@@ -180,7 +184,7 @@ class WorkedFormulas:
 
     def add(self, name: str, symbol: str, template: str, value: float, unit: str = "") -> float:
         """A formula as a template with `{symbol}` for each number and spaces for products; returns its value."""
-        template = re.sub(r"(?<=[}\d)]) (?!deg)(?=[{(a-z])", " * ", template)
+        template = re.sub(r"(?<=[}\d)]) (?!deg)(?=[{(a-z\d])", " * ", template)
         digits = {key: f"({n:.7g})" if n < 0 else f"{n:.7g}" for key, n in self.numbers.items()}
         symbols, substituted = template.format(**{key: key for key in digits}), template.format(**digits)
         self.formulas.append(WorkedFormula(name, symbol, symbols, substituted, float(value), unit, self.source))

@@ -40,6 +40,10 @@ class Material:
     source : str, optional
         Where the values are from.
 
+    See Also
+    --------
+    Mass, masses
+
     Examples
     --------
     >>> gk.Material("oak", density=700, modulus=11000, strength=60).carried_stress
@@ -118,6 +122,10 @@ class Mass:
         Centre of mass, mm in the body's frame.
     inertia : float or array
         Moment of inertia about the centre, kg mm2; at least 0.
+
+    See Also
+    --------
+    masses, Material, Loads
 
     Notes
     -----

@@ -124,6 +124,10 @@ class Motor:
     voltage_v, no_load_current_a, stall_current_a : float, optional
         Rated voltage of a direct-current motor, V, and its currents without load and at standstill, A.
 
+    See Also
+    --------
+    forces, forward_dynamics
+
     Examples
     --------
     >>> motor = gk.Motor("own", torque_n_mm=1000, speed_rpm=100, lasting_torque_n_mm=250, mass_g=100)

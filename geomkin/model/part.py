@@ -35,6 +35,10 @@ class Twist:
         Whether the motion is complete at half the height and reverses to the top.
     moves : {"outline", "holes"}, optional
         The curves that move; the others are straight.
+
+    See Also
+    --------
+    Part
     """
 
     turn: float = 0.0
@@ -83,6 +87,10 @@ class HoleFit:
         Whether it is a press fit, as every one with a negative play.
     iso_fit : str, optional
         Tolerance class of the hole by ISO 286, such as "H7", or with that of its shaft, as "H7/g6"; "" for none.
+
+    See Also
+    --------
+    Part
     """
 
     diameter: PositiveFloat
@@ -135,6 +143,10 @@ class Part:
     ------
     DesignError
         If the name cannot be a file name, or there are more fits than holes.
+
+    See Also
+    --------
+    Material, Twist, write
 
     Examples
     --------

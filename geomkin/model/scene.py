@@ -200,6 +200,8 @@ class SceneHandle:
         Whether all keys have one value, as the modules of gears in mesh do.
     arrow : complex
         Vector of the arrow that ends at the handle, mm, such as that of a force; 0 for none.
+    anchor : complex array, shape of `at`, optional
+        Positions of what it moves, mm, if it is beside that; an editor draws a line to it.
     """
 
     id: str
@@ -211,6 +213,7 @@ class SceneHandle:
     column: str = ""
     is_one_value: bool = False
     arrow: complex = 0j
+    anchor: Complex | None = None
 
 
 @record

@@ -45,6 +45,10 @@ class Column:
     scale : float or array, shape (frames,)
         Size of the terms whose sum a value is, in its unit, for all frames or for each; 0 if unknown. In a file a
         value that is rounding noise of terms of this size is 0.
+
+    See Also
+    --------
+    Table
     """
 
     id: str
@@ -83,6 +87,10 @@ class Table:
     ----------
     columns : tuple of Column
         The columns.
+
+    See Also
+    --------
+    Column, write
     """
 
     columns: tuple[Column, ...]

@@ -181,6 +181,10 @@ def optimise(
         If a key, range or formula is wrong, no design works, or none meets the constraints; the message then names
         the constraint that is missed and by how much. If the executor fails.
 
+    See Also
+    --------
+    sweep, load
+
     Notes
     -----
     Gradient searches (sequential quadratic programming) start from the best of random designs and need the package

@@ -122,7 +122,7 @@ class _Programme:
         return max(float(np.abs(self.reference[0]).max()), 1e-12)
 
     @cached_property
-    def _known(self) -> dict[bytes, tuple[Real, Real]]:
+    def _results_by_shares(self) -> dict[bytes, tuple[Real, Real]]:
         return {}
 
     def results(self, shares: Real) -> tuple[Real, Real]:
@@ -130,17 +130,17 @@ class _Programme:
         if self.trials.over():
             raise TimeOverError
         key, (objective_rows, excess_rows) = shares.tobytes(), self.reference
-        if key not in self._known:
+        if key not in self._results_by_shares:
             design = self.trials.tried(self.box.values(shares))
             if design is None:
-                self._known[key] = np.full(len(objective_rows), 1e3), np.ones(len(excess_rows))
+                self._results_by_shares[key] = np.full(len(objective_rows), 1e3), np.ones(len(excess_rows))
             else:
                 wanted, excess = _rows(self.target, design, self.of_violation)
-                self._known[key] = (
+                self._results_by_shares[key] = (
                     _resampled(wanted, len(objective_rows)) / self.scale,
                     _resampled(excess, len(excess_rows)) + MARGIN,
                 )
-        return self._known[key]
+        return self._results_by_shares[key]
 
     def slopes(self, shares: Real) -> tuple[Real, Real]:
         """Derivatives of both by the shares."""

@@ -18,6 +18,7 @@ from ..export.svg_path import FINE, bounding_box, decimal, path, thumbnail
 from ..export.tables import hodograph_file
 from ..export.text import DIGITS, capital, number, text, unit_sign, with_unit
 from ..model.check import Check
+from ..model.explanations import explained_check
 from ..model.part import Part
 from ..model.scene import Scene
 from ..plane.curve import extent
@@ -73,9 +74,18 @@ def _check(check: Check, scene: Scene) -> str:
     expected = " as expected" * bool(check.expected and not check.passed)
     return (
         f'<tr class="{style}"><td><span aria-hidden="true">{sign}</span> {word}{expected}</td>'
-        f'<th scope="row">{text(capital(check.name))}</th>'
+        f'<th scope="row">{_explained(check)}</th>'
         f"<td>{value}{button}</td><td>{check.side} {limit}</td><td>{text(advice)}</td></tr>"
     )
+
+
+def _explained(check: Check) -> str:
+    """The name of a check, which opens its explanation."""
+    known = explained_check(check.id)
+    if not known:
+        return text(capital(check.name))
+    items = "".join(f"<dt>{capital(word)}</dt><dd>{text(about)}</dd>" for word, about in known.items())
+    return f"<details><summary>{text(capital(check.name))}</summary><dl>{items}</dl></details>"
 
 
 def worst_frame(check: Check, scene: Scene) -> int | None:
@@ -240,10 +250,10 @@ def _flat(entries: Mapping[str, object], digits: int = DIGITS) -> dict[str, str]
 
 
 def _head(name: str) -> str:
-    return text(capital(_named(name)))
+    return text(capital(_with_unit(name)))
 
 
-def _named(name: str) -> str:
+def _with_unit(name: str) -> str:
     """A name of the summary, whose last words may be a unit."""
     for unit in ("kg_mm2", "N_mm", "deg", "mm", "mm2", "mm3", "in", "in2", "in3", "N", "kg", "rpm"):
         if name.endswith(f"_{unit}"):

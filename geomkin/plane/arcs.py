@@ -42,6 +42,10 @@ def to_arcs(curve: AbstractCurve, tolerance: float) -> Polyline:
     DesignError
         If the tolerance is not above 0.
 
+    See Also
+    --------
+    flatten
+
     Notes
     -----
     The arcs are biarcs, two arcs that are tangent to the curve at both ends (Bolton, "Biarc curves",

@@ -24,6 +24,10 @@ class AbstractCurve(ABC):
     `Part`) need no more. The domain is breaks[0] <= t <= breaks[-1]; outside it the results are undefined. At a break
     velocity and curvature are those of the piece that starts there, at the last break those of the piece that ends.
     Curves compare by identity and results are cached, so a curve must not change after its creation.
+
+    See Also
+    --------
+    flatten, length, area, curvature, nearest, to_arcs
     """
 
     __repr__ = one_line

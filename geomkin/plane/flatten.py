@@ -280,6 +280,10 @@ def flatten(curve: AbstractCurve, tolerance: float) -> Complex:
     DesignError
         If the tolerance is not above 0, or so small that it takes millions of chords.
 
+    See Also
+    --------
+    to_arcs, length, area
+
     Notes
     -----
     All chords get the same error instead of the same length. This gives the fewest chords between points of

@@ -51,6 +51,10 @@ def length(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
     float
         mm.
 
+    See Also
+    --------
+    area, curvature, nearest, flatten
+
     Notes
     -----
     The integral of `|dP/dt|` by Gauss' rule.
@@ -86,6 +90,10 @@ def area(curve: AbstractCurve, accuracy: float = 1e-12) -> float:
     ------
     DesignError
         If the curve is open.
+
+    See Also
+    --------
+    length, flatten
 
     Examples
     --------
@@ -272,6 +280,10 @@ def curvature(curve: AbstractCurve, t: float | ArrayLike) -> Real:
     -------
     array
         1/mm, in the shape of t; infinite at a cusp.
+
+    See Also
+    --------
+    nearest, length
     """
     return curve.curvature(t)
 
@@ -319,6 +331,10 @@ def nearest(curve: AbstractCurve, points: complex | ArrayLike) -> tuple[Real, Re
         Parameter of the nearest point, and its distance, mm, in the shape of `points`. The distance is accurate to
         1e-12 of the curve's size, unless the curve has a feature smaller than a 48th of its smooth piece. Of several
         equally near points, one is returned.
+
+    See Also
+    --------
+    curvature, length
 
     Notes
     -----

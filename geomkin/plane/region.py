@@ -114,6 +114,11 @@ def gap(a: Complex, b: Complex) -> float:
     return float(shapely.distance(shapely.LinearRing(xy(a)), shapely.LinearRing(xy(b))))
 
 
+def apart(a: Loops, b: Loops) -> float:
+    """Smallest distance of two regions, mm; 0 if they meet."""
+    return float(shapely.distance(_polygon(a), _polygon(b)))
+
+
 def nearest_to_origin(loop: Complex) -> Complex:
     """The point of each side of a polygon nearest to the origin."""
     edge = np.roll(loop, -1) - loop

@@ -33,6 +33,8 @@ class Setting:
         Direction of its x axis in the world, a unit complex number.
     mirrored : bool
         Whether it is turned over, left for right.
+    torques : tuple of (str, float)
+        Bodies that turn other mechanisms, and the largest torque that these take, N mm.
 
     Examples
     --------
@@ -44,11 +46,16 @@ class Setting:
     acceleration: float | None = None
     direction: complex = 1 + 0j
     mirrored: bool = False
+    torques: tuple[tuple[str, float], ...] = ()
 
     def of_world(self, vector: complex) -> complex:
         """A vector of the world, such as gravity, in the frame of the mechanism."""
         turned = vector * self.direction.conjugate()
         return -turned.conjugate() if self.mirrored else turned
+
+    def torque_on(self, body: str) -> float:
+        """Largest torque that other mechanisms take from a body, N mm."""
+        return dict(self.torques).get(body, 0.0)
 
     @property
     def turned_over(self) -> Setting:

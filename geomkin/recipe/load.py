@@ -19,6 +19,7 @@ from ..core.units import MM, UNITS, LengthUnit, marked, mm
 from .kinds import kind_names, recipe_class
 from .lengths import in_mm, shown_problem
 from .messages import did_you_mean
+from .printing import growth
 from .reader import read_table
 from .recipe import FITS, AbstractRecipe, is_stock
 from .settings import kerf
@@ -30,9 +31,10 @@ MOST_LISTED = 20
 
 @record(checked=True)
 class MeasuredFits:
-    """Kerf and fits of one material, mm; None if not measured."""
+    """Kerf or growth, and fits, of one material, mm; None if not measured."""
 
     kerf: float | None = kerf(None)
+    growth: float | None = growth(None)
     clearance: float | None = quantity(
         "how much wider a hole is than its pin or shaft", "mm", default=None, at_least=0, at_most=FARTHEST
     )
@@ -59,6 +61,8 @@ def with_workshop(
         merged = dict(data)
         for key, stock in stocks.items():
             merged[key] = _stated(measured[material_of[key]], FITS & fields_of(stock).keys()) | data.get(key, {})
+        if isinstance(printing := data.get("printing"), Mapping):
+            merged["printing"] = _stated(measured[material_of[""]], ("clearance", "growth")) | dict(printing)
         files = data.get("files", {})
         if isinstance(files, Mapping) and "kerf" not in files:
             merged["files"] = {**_common_kerf(printable(name), measured, material_of.values()), **files}
@@ -183,7 +187,7 @@ def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = "
         owner = next((table for table, kind in inner.items() if isinstance(kind, str) and kind in kinds), None)
         near = f"move it from [{printable(owner)}] above the first table; " if owner else nearest_kind(name, kinds)
         if data and all(
-            isinstance(table, Mapping) and table.keys() <= {"kerf", *FITS}
+            isinstance(table, Mapping) and table.keys() <= {"kerf", "growth", *FITS}
             for key, table in data.items()
             if key != "units"
         ):
@@ -246,8 +250,9 @@ def plain_table(recipe: AbstractRecipe) -> dict[str, Any]:
     """The keys of a recipe as TOML has them, without those that have their default value."""
     table = _without_defaults(recipe, whole_table(recipe, has_inner_defaults=False))
     first = {key: table.pop(key) for key in ("kind", "units") if key in table}
-    # The mechanism comes before the task.
-    return first | table | {key: table.pop(key) for key in ("optimise",) if key in table}
+    # The mechanism comes before how it is printed, and the task.
+    last = {key: table.pop(key) for key in ("printing", "optimise") if key in table}
+    return first | table | last
 
 
 def whole_table(recipe: AbstractRecipe, has_inner_defaults: bool = True) -> dict[str, Any]:

@@ -37,23 +37,39 @@ RENAMED = {
 
 # Mechanisms that no kind makes, by a word of their names, and the kinds that come nearest.
 NOT_OFFERED = {
-    **dict.fromkeys(("worm", "harmonic"), "planetary or cycloidal-drive"),
+    **dict.fromkeys(("worm", "harmonic", "strain"), "planetary or cycloidal-drive"),
     **dict.fromkeys(("bevel", "hypoid", "crown", "miter", "mitre"), "gear-pair"),
     **dict.fromkeys(("screw", "leadscrew", "ballscrew", "nut"), "rack-and-pinion"),
     **dict.fromkeys(("v", "flat", "rope", "cable", "capstan", "ribbed"), "belt-drive"),
     **dict.fromkeys(("maltese", "ratchet", "pawl", "escapement", "indexing"), "geneva, or disk-cam with dwells"),
-    **dict.fromkeys(("barrel", "cylindrical", "globoid", "groove"), "disk-cam"),
-    **dict.fromkeys(("universal", "cardan", "hooke"), "oldham-coupling"),
-    **dict.fromkeys(("delta", "hexapod", "stewart", "scara", "robot", "spherical"), "linkage"),
+    **dict.fromkeys(("barrel", "cylindrical", "globoid"), "groove-cam"),
+    **dict.fromkeys(("universal", "cardan", "hooke", "u", "cv"), "oldham-coupling"),
+    **dict.fromkeys(("delta", "hexapod", "stewart", "scara", "robot", "spherical", "flexure", "compliant"), "linkage"),
 }  # fmt: skip
+
+# Largest number of recipes of the gallery that a message names.
+MOST_RECIPES = 8
 
 
 def nearest_kind(name: object, kinds: Iterable[str]) -> str:
-    """The start of a remedy for an unknown kind: the kind that was meant, or the ones nearest to what no kind makes."""
+    """The start of a remedy for an unknown kind: what was meant, recipes of the gallery, or the nearest kinds."""
+    from .kinds import gallery
+
     meant = did_you_mean(name, kinds)
-    words = WORD.findall(name[:100].lower()) if isinstance(name, str) and not meant else []
-    if nearest := next((NOT_OFFERED[word] for word in words if word in NOT_OFFERED), ""):
+    words = WORD.findall(name[:100].lower()) if isinstance(name, str) else []
+    if not meant and (nearest := next((NOT_OFFERED[word] for word in words if word in NOT_OFFERED), "")):
         return f"geomkin makes planar mechanisms, but not this one; nearest to it is {nearest}; "
+    known = {file.removesuffix(".toml"): about.lower() for file, (_, about) in gallery()[1].items()}
+
+    def is_meant(recipe: str) -> bool:
+        """Whether the name has the recipe's, or is nearly it, or all its words describe the recipe."""
+        text = f"{recipe} {known[recipe]}"
+        is_described = all(word in text for word in words) or bool(did_you_mean(name, [recipe]))
+        return recipe in words or (is_described and not meant)
+
+    named = [recipe for recipe in known if words and recipe not in kinds and is_meant(recipe)][:MOST_RECIPES]
+    if named:
+        return f"{meant}the gallery has {', '.join(named)}, which `geomkin new {named[0]}` prints; "
     return meant
 
 

@@ -19,6 +19,8 @@ class AbstractPlaced:
 
     # Where and how fast it runs; a machine places it elsewhere, see `in_setting`.
     setting: Setting = ALONE
+    # Whether its loads count the torques of its setting.
+    carries_torques: ClassVar[bool] = False
     # Every subclass is a dataclass, which a type checker cannot know.
     __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[object]]]
 

@@ -27,13 +27,14 @@ from ..model.scene import Candidate, Scene
 from ..model.table import Table
 from ..model.thin_features import ADVICE, beam_checks, thinnest_walls, wall_checks
 from ..plane.vec import Real
+from .printing import PRINT_IN_PLACE, Printing, apply_clearance, gap_check
 from .questions import AbstractEdited, AbstractPlaced
 from .settings import Files, OptimiseTable
 
 # Properties of recipes that hold sentences.
 TEXTS = frozenset({"steps", "notes", "facts", "forces_missing", "remarks", "subtitle", "quantities"})
 # Tables that `scale` does not change: a mechanism of another size has the same screws, sheets and tolerances.
-UNSCALED = ("stock", "base", "files", "tolerances", "optimise")
+UNSCALED = ("stock", "base", "files", "tolerances", "optimise", "printing")
 # Keys of stocks and bases that make a wall thicker: of openings and the sheet, and of the material around openings.
 SMALLER = ("bore", "mate_bore", "roller_bore", "pivot_bore", "pin_diameter", "pin", "screw", "thickness")
 LARGER = ("bar_width", "rim", "edge", "margin")
@@ -63,6 +64,22 @@ class _Shared:
         "what `geomkin optimise` varies, minimises and keeps; `geomkin run` does not use it",
         default=None,
     )
+    printing: Printing | None = entry(
+        "printed parts: the clearance of all that turns or meshes, and the shape of solids", default=None
+    )
+
+    def __post_init__(self) -> None:
+        apply_clearance(self)
+
+    @property
+    def has_snap_pins(self) -> bool:
+        """Whether pins are printed."""
+        return self.printing is not None and self.printing.pins == "snap"
+
+    @property
+    def is_in_place(self) -> bool:
+        """Whether the assembly is printed in one piece."""
+        return self.printing is not None and self.printing.in_place
 
 
 # Keys of every kind. Recipes list them after the mechanism's own keys; summaries omit them if they are empty.
@@ -141,6 +158,9 @@ class AbstractRecipe(_Shared, _InSentences, AbstractPlaced, AbstractEdited, ABC)
     can_be_scaled: ClassVar[bool] = False
     # Whether it takes the key `workshop`; a recipe of several recipes leaves it to these.
     takes_workshop: ClassVar[bool] = True
+    # Whether its pins can be printed, and whether it can be printed as it is assembled.
+    takes_snap_pins: ClassVar[bool] = False
+    prints_in_place: ClassVar[bool] = False
     # A sentence that a template adds to the description of the kind.
     advice: ClassVar[str] = ""
     additions: ClassVar[Additions] = Additions()
@@ -253,6 +273,7 @@ class AbstractRecipe(_Shared, _InSentences, AbstractPlaced, AbstractEdited, ABC)
             is_pressed = "press" in (getattr(table, "fit", ""), getattr(table, "mate_fit", ""))
             has_class = any(getattr(table, name, "") for name in ("pin_fit", "iso_fit"))
             stock = ("interference",) * is_pressed if has_class else ("clearance", *["interference"] * is_pressed)
+            stock = stock if self.printing is None else tuple(fit for fit in stock if fit != "clearance")
             fits = stock if is_stock(key) else ("kerf",) * (key == "files")
             values |= {f"{key}.{fit}": getattr(table, fit) for fit in fits if fit not in stated and hasattr(table, fit)}
         return values
@@ -361,6 +382,10 @@ def masses(recipe: AbstractRecipe) -> dict[str, Mass]:
     ------
     DesignError
         If no part has a material.
+
+    See Also
+    --------
+    Mass, forces, balance
 
     Examples
     --------
@@ -479,6 +504,10 @@ class AssemblyLike(Protocol):
     def steps(self) -> tuple[str, ...]:
         """Assembly steps from the bottom up, one line each."""
 
+    @property
+    def snap_checks(self) -> tuple[Check, ...]:
+        """Checks of printed pins."""
+
 
 class AbstractAssembledRecipe(AbstractRecipe):
     """A recipe of gears or of a cam, whose items to buy and assembly steps come from one `assembly`."""
@@ -494,16 +523,22 @@ class AbstractAssembledRecipe(AbstractRecipe):
         for stock in (getattr(self, field.name) for field in dataclasses.fields(self) if is_stock(field.name)):
             if hasattr(stock, "engagement_checks"):
                 yield from stock.engagement_checks(getattr(self, "base", None) is not None)
+        if self.has_snap_pins:
+            yield from self.assembly.snap_checks
+        if self.is_in_place:
+            yield gap_check(self)
 
     @property
     def attached(self) -> Iterator[tuple[str, Any, float, int]]:
         """What is screwed to a gear: the plate, the attachment, the thickness of the sheet, mm, and the count."""
         for field in dataclasses.fields(self):
             stock = getattr(self, field.name)
-            for item in getattr(stock, "attachments", ()):
-                plate = field.name.removesuffix("stock").strip("_") or "gear"
-                count = next((part.count for part in self.parts if part.name == plate), 1)
-                yield plate, item, stock.thickness, count
+            own = field.name.removesuffix("stock").strip("_") or "gear"
+            for name, key in ((own, "attachments"), ("mate", "mate_attachments")):
+                for item in getattr(stock, key, ()):
+                    counts = {part.name: part.count for part in self.parts}
+                    plate = "ring" if name not in counts and "ring" in counts else name
+                    yield plate, item, stock.thickness, counts.get(plate, 1)
 
     @property
     def bought(self) -> tuple[Bought, ...]:
@@ -512,7 +547,7 @@ class AbstractAssembledRecipe(AbstractRecipe):
             for plate, item, sheet, count in self.attached
             for name, number in item.bill(sheet)
         )
-        return (*self.assembly.bought, *own)
+        return (*(() if self.is_in_place else self.assembly.bought), *own)
 
     @property
     def shaft_items(self) -> tuple[Bought, ...]:
@@ -520,4 +555,5 @@ class AbstractAssembledRecipe(AbstractRecipe):
 
     @property
     def steps(self) -> tuple[str, ...]:
-        return (*(item.step(plate) for plate, item, *_ in self.attached), *self.assembly.steps)
+        steps = (PRINT_IN_PLACE,) if self.is_in_place else self.assembly.steps
+        return (*(item.step(plate) for plate, item, *_ in self.attached), *steps)

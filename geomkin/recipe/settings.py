@@ -102,7 +102,9 @@ class Files:
         "engrave each part with its name, and the holes of links with the letters of their pins", default=True
     )
     sheet: tuple[Side, Side] | None = entry(
-        "[width, height] in mm of the sheets that parts are cut from", default=None, units=("mm", "mm")
+        "[width, height] in mm of the sheets that parts are cut from, or of the bed of a printer",
+        default=None,
+        units=("mm", "mm"),
     )
     dxf_version: Literal["R2000", "R12"] = entry(
         "version of the DXF files to cut: R12 has polylines and no unit, for programs that cannot read R2000",

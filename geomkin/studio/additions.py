@@ -98,7 +98,7 @@ def _candidates(recipe: AbstractRecipe, key: str) -> Iterator[Mapping[str, Any]]
     known = {**_formulas(inner), **inner.additions.names(inner)}
     for table in declared.tables:
         values = given.get(inside)
-        whole = _plain(values if isinstance(values, table) else example(table), inner)
+        whole = _without_defaults(values if isinstance(values, table) else example(table), inner)
         names = {name: known[name] for name, value in whole.items() if name in known and _has_names(value)}
         required = [name for name, inner_field in fields_of(table).items() if inner_field.is_required or name == "kind"]
         # A table may not have all optional values at once.
@@ -126,7 +126,7 @@ def _formulas(recipe: AbstractRecipe) -> Mapping[str, Sequence[Any]]:
     return {name: values for name, values in formulas.items() if values}
 
 
-def _plain(values: Any, recipe: AbstractRecipe) -> dict[str, Any]:
+def _without_defaults(values: Any, recipe: AbstractRecipe) -> dict[str, Any]:
     """The values of a table that are not its defaults."""
     table = type(values)
     plain = {

@@ -17,10 +17,12 @@ from ..core.fields import FARTHEST
 from ..core.units import MM, UNITS
 from ..export.still import kept_frames
 from ..export.summary import as_json
+from ..linkage.kinds.linkages import AbstractLinkageRecipe
 from ..model.check import Check
+from ..model.explanations import explained_check
 from ..model.scene import SceneHandle
 from ..page.page import scene_data
-from ..plane.vec import Array, Real
+from ..plane.vec import Array, Complex, Real
 from ..recipe.keys import edited_text, with_added, with_values
 from ..recipe.lengths import shown_numbers
 from ..recipe.load import from_table, whole_table
@@ -28,6 +30,20 @@ from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.shown import ShownRecipe
 from ..recipe.toml import parsed
 from .additions import addition
+from .building import (
+    LinkageText,
+    advice,
+    drawn,
+    is_unfinished,
+    plain,
+    point_handles,
+    structure_at,
+    structure_data,
+    unfinished,
+)
+from .joining import joined, shafts
+from .lengths import dimensions, resized
+from .strokes import drawn_recipe
 
 # Largest number of values that are tried in one drag: each takes a motion of the mechanism.
 MOST_TRIALS = 40
@@ -293,8 +309,10 @@ def answer(
     files : mapping of str to str
         Texts of the files that it names.
     request : mapping
-        `set`, values by dotted key, None to remove one; or `add`, the key of a table or a list of them; or `drag`, with
-        `handle`, `to`, `frame`, `step` and `snap`;
+        `set`, values by dotted key, None to remove one; or `add`, the key of a table or a list of them; or `build`, an
+        edit as `built` takes it; or `draw`, a stroke with `points`, [x, y] in mm, and `bars`; or `join`, a mechanism
+        as `joined` takes it; or `length`, another length of one of `dimensions`; or `drag`, with `handle`, `to`,
+        `frame`, `step` and `snap`;
         `locks`, keys that a drag may not change; `lane`, "scene" or "checks".
     name : str
         Name of the recipe, by default its kind.
@@ -305,7 +323,9 @@ def answer(
     -------
     dict
         The new `text`, `scene`, `handles`, `values`, `quantities`, `problems`, `limit`, `preview` (joints of a
-        linkage), `unavailable` (keys of tables that this mechanism cannot have), and for the lane "checks" also
+        linkage), `structure` (names in a linkage), `unfinished` (what a linkage that is built still lacks),
+        `shafts` (that can turn another mechanism), `dimensions` (lengths on the drawing that can be set),
+        `unavailable` (keys of tables that this mechanism cannot have), and for the lane "checks" also
         `checks`, `candidates` and `parts`. The text is never lost: if it is wrong, `problems` says where.
 
     Examples
@@ -316,9 +336,10 @@ def answer(
     'rocker = 75  # output'
     """
     reply = _replied(Draft(text, files, name), request, opened)
-    if reply["problems"] and request.get("drag"):
-        # The plates, which a drag does not compute, are impossible there: it stops where it was.
-        before = _replied(Draft(text, files, name), {**request, "drag": None}, opened)
+    if reply["problems"] and (request.get("drag") or request.get("join")):
+        # The plates, which a drag does not compute, are impossible there, or the mechanism is on this shaft: it stops
+        # where it was.
+        before = _replied(Draft(text, files, name), {**request, "drag": None, "join": None}, opened)
         if not before["problems"]:
             problem = reply["problems"][0]
             reason = f"{problem['key']}: {problem['problem']}; {problem['remedy']}"
@@ -331,16 +352,11 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
     reply: Answer = {
         "text": text, "kind": "", "name": name, "scene": None, "handles": [], "values": {}, "problems": [],
         "limit": None, "search": False, "unavailable": [], "quantities": [], "checks": None, "candidates": None,
-        "parts": None, "preview": None,
+        "parts": None, "preview": None, "structure": None, "unfinished": "",
+        "shafts": [], "dimensions": [],
     }  # fmt: skip
     try:
-        if changes := request.get("set"):
-            draft.text = reply["text"] = edited_text(text, _with_whole_lists(draft, changes))
-        if key := request.get("add"):
-            _add(draft, key, reply)
-        if request.get("drag"):
-            _drag(draft, request["drag"], request.get("locks") or (), reply)
-            draft.text = reply["text"]
+        _edit(draft, request, reply)
         table = draft.table()
         kind = table.get("kind")
         reply["kind"] = kind if isinstance(kind, str) else ""
@@ -353,6 +369,11 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
             (_scene if is_scene else _checks)(recipe, request.get("locks") or (), reply)
             # A drag does not change how sizes place the joints, which takes time for many bodies.
             reply["preview"] = recipe.preview(not request.get("drag")) if is_scene else None
+            if is_scene and not request.get("drag"):
+                reply["shafts"] = [{"body": body, "at": [at.real, at.imag]} for body, at in shafts(recipe)]
+            if isinstance(recipe, AbstractLinkageRecipe) and is_scene:
+                reply["structure"] = structure_data(structure_at(recipe, 0))
+                reply["dimensions"] = dimensions(recipe.linkage.linkage)
     except RecipeError as error:
         reply["problems"] = [problem.to_dict() for problem in error.problems]
     except DesignError as error:
@@ -364,7 +385,138 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
         reply["problems"] = [problem.to_dict()]
     if reply["problems"]:
         reply["scene"] = None
+        _unfinished(draft, request.get("lane") == "checks", reply)
     return reply
+
+
+def _edit(draft: Draft, request: Mapping[str, Any], reply: Answer) -> None:
+    """Change the text as requested; of an edit by hand that is impossible report why."""
+    locks = request.get("locks") or ()
+    if changes := request.get("set"):
+        draft.text = edited_text(draft.text, _with_whole_lists(draft, changes))
+    if key := request.get("add"):
+        _add(draft, key, reply)
+    by_hand: Mapping[str, Callable[[Draft, Any], str]]
+    by_hand = {"build": built, "draw": _drawn, "join": _joined, "length": partial(with_length, locks=locks)}
+    for name, edited in by_hand.items():
+        if wanted := request.get(name):
+            try:
+                draft.text = edited(draft, wanted)
+            except DesignError as error:
+                reply["limit"] = {"keys": [], "reason": harmless(f"{error.problem}; {error.remedy}")}
+    reply["text"] = draft.text
+    if request.get("drag"):
+        _drag(draft, request["drag"], locks, reply)
+        draft.text = reply["text"]
+
+
+def _joined(draft: Draft, wanted: Mapping[str, Any]) -> str:
+    """The text of a machine with another mechanism on a shaft."""
+    table = draft.table()
+    return joined(draft.text, table, draft.name, draft.opened(table), wanted)
+
+
+def with_length(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str] = ()) -> str:
+    """The text of a linkage with another distance of two joints of a body; raises DesignError if that is impossible.
+
+    wanted: `body`, `from` and `to`, as in `dimensions` of an answer, and `length` in the unit of the recipe.
+    """
+    table = draft.table()
+    recipe = draft.as_written(table, draft.opened(table))
+    unit, length = UNITS[recipe.units], wanted.get("length")
+    if not isinstance(recipe, AbstractLinkageRecipe):
+        raise DesignError("length", "this is no linkage", "give the sizes in the form", "conflict")
+    if isinstance(length, int | float) and not isinstance(length, bool):
+        length = unit.in_mm(length / table.get("scale", 1.0), "mm")
+    sizes = resized(recipe.linkage, wanted, length, lambda key: is_locked(f"linkage.{key}", locks))
+    changes = {f"linkage.{key}": plain(unit.in_digits(size, "mm")) for key, size in sizes.items()}
+    return edited_text(draft.text, _whole_lists(changes, table, _values(recipe)))
+
+
+def _unfinished(draft: Draft, is_checks: bool, reply: Answer) -> None:
+    """Show a linkage that is still built as it is drawn; what it lacks is no problem."""
+    try:
+        table = draft.table()
+    except GeomkinError:
+        return
+    structure = unfinished(table)
+    if structure is None:
+        return
+    is_open = is_unfinished(structure)
+    if not is_open and reply["problems"][0]["id"] != "impossible-geometry":
+        return
+    scale, unit = float(table.get("scale", 1.0)), UNITS[table.get("units", "mm")]
+    name = reply["name"] = draft.name or "linkage"
+    reply["structure"], reply["values"] = structure_data(structure), dict(_flat(table, ""))
+    reply["handles"] = [_handle(handle, (), 1.0, 1.0) for handle in point_handles(structure, scale)]
+    if is_open:
+        reply["problems"], reply["unfinished"] = [], advice(structure)
+    if is_checks:
+        reply["checks"], reply["candidates"], reply["parts"] = [], [], {"parts": [], "bought": [], "steps": []}
+    else:
+        reply["scene"] = scene_data(drawn(structure, scale), name, unit)
+        reply["quantities"] = [{"id": "", "label": "degrees of freedom", "text": str(structure.freedom)}]
+
+
+def _drawn(draft: Draft, stroke: Mapping[str, Any]) -> str:
+    """The text of a recipe that follows a stroke."""
+    try:
+        table = draft.table()
+    except GeomkinError:
+        table = {}
+    kind, units = table.get("kind"), table.get("units")
+    known = units if isinstance(units, str) and units in UNITS else MM.name
+    return drawn_recipe(draft.text, str(kind), known, stroke.get("points"), stroke.get("bars", 6))
+
+
+def built(draft: Draft, edit: Mapping[str, Any]) -> str:
+    """The text of a linkage after an edit by hand, such as a dyad on two of its points.
+
+    Parameters
+    ----------
+    draft : Draft
+        The recipe of any linkage, or a text with bodies that are no linkage yet.
+    edit : mapping
+        `do`, a name in `geomkin.studio.building.EDITS`, with `on`, its clicks: each a mapping with `at`, [x, y] in mm,
+        and `point`, `body` or `slide`, the name of what is there; `frame`, the position of the linkage in which they
+        are meant, and `step`, the size of a pixel in mm, to which new places are rounded. Or "rename", `old` and `new`.
+
+    Returns
+    -------
+    str
+        The new text, of kind "linkage". A mechanism that moves still passes through the position that was shown.
+
+    Raises
+    ------
+    DesignError
+        If the recipe is none of a linkage, or the clicks mean nothing.
+
+    Examples
+    --------
+    >>> from geomkin.studio.building import EMPTY
+    >>> from geomkin.studio.edit import Draft, built
+    >>> text = built(Draft(EMPTY, {}), {"do": "bar", "on": [{"at": [0, 0]}, {"at": [30, 40]}], "step": 0.5})
+    >>> text.splitlines()[-1]
+    'bar_1 = {A = [0, 0], B = [30, 40]}'
+    """
+    table = draft.table()
+
+    def written(text: str) -> AbstractRecipe:
+        other = Draft(text, draft.files, draft.name)
+        return other.as_written(other.table(), other.opened(other.table()))
+
+    return LinkageText(draft.text, table, written, _moving(written, draft.text)).edited(edit)
+
+
+def _moving(written: Callable[[str], AbstractRecipe], text: str) -> AbstractRecipe | None:
+    """The recipe of a text; None if it is none, or does not move."""
+    try:
+        recipe = written(text)
+        if isinstance(recipe, AbstractLinkageRecipe):
+            _ = recipe.motion
+    except GeomkinError:
+        return None
+    return recipe
 
 
 def _add(draft: Draft, key: Any, reply: Answer) -> None:
@@ -387,6 +539,12 @@ def _drag(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str], reply
     """Change the text so that a handle follows the pointer."""
     to, frame, steps = _pointer(wanted)
     table = draft.table()
+    sort, _, point = str(wanted.get("handle")).partition(":")
+    if sort == "point" and (structure := unfinished(table)) and is_unfinished(structure):
+        if point in structure.places:
+            linkage = LinkageText(draft.text, table, lambda _: draft.opened(table), None)
+            reply["text"] = linkage.moved(point, to, min(steps))
+        return
     recipe = draft.opened(table)
     written = draft.as_written(table, recipe)
     with errors_named_by_key("recipe", recipe):
@@ -508,13 +666,18 @@ def _stated(check: Check) -> str:
 
 
 def _handle(handle: SceneHandle, locks: Collection[str], x_factor: float, y_factor: float) -> dict[str, Any]:
-    at = handle.at[kept_frames(len(handle.at))]
-    is_fixed = bool(np.isfinite(at).all() and (at == at[0]).all())
-    x, y = (_row(part[:1] if is_fixed else part) for part in (at.real / x_factor, at.imag / y_factor))
+    def places(at: Complex) -> list[Any]:
+        """[x, y], each a row over the frames unless it stays."""
+        kept = at[kept_frames(len(at))]
+        is_fixed = bool(np.isfinite(kept).all() and (kept == kept[0]).all())
+        x, y = (_row(part[:1] if is_fixed else part) for part in (kept.real / x_factor, kept.imag / y_factor))
+        return [x[0], y[0]] if is_fixed else [x, y]
+
     return {
         "id": handle.id, "label": harmless(handle.label), "keys": list(handle.keys), "shape": handle.shape,
-        "at": [x[0], y[0]] if is_fixed else [x, y], "radius": handle.radius or None, "plot": handle.column or None,
+        "at": places(handle.at), "radius": handle.radius or None, "plot": handle.column or None,
         "arrow": [handle.arrow.real, handle.arrow.imag] if handle.arrow else None,
+        "anchor": None if handle.anchor is None else places(handle.anchor),
         "locked": all(is_locked(key, locks) for key in handle.keys),
     }  # fmt: skip
 
@@ -537,6 +700,7 @@ def _checks(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> No
             "text": harmless(check),
             "state": "pass" if check.passed else "expected" if check.expected else "fail",
             "column": check.column or None,
+            "about": explained_check(check.id),
         }
         for check in results.checks
     ]

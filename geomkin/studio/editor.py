@@ -124,6 +124,10 @@ def edit(recipe: AbstractRecipe | Readable) -> Editor:
     RecipeError
         If a mapping is no recipe. Mistakes in a file or a text are shown in the editor.
 
+    See Also
+    --------
+    load, scaled, show
+
     Notes
     -----
     The browser must run on the same machine as the notebook's kernel, as the page is served to this machine only.

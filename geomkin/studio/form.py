@@ -166,7 +166,7 @@ def _described(key: str, declared: DeclaredField) -> dict[str, Any]:
         "most": about.get("le", about.get("lt")),
         "choices": choices,
         "help": about.get("description", ""),
-        "default": _plain(declared.default),
+        "default": _json_value(declared.default),
         "optional": not declared.is_required,
     }
 
@@ -188,11 +188,11 @@ def _type(types: list[Any], choices: list[Any], about: Mapping[str, Any]) -> str
     return "list" if origins & {tuple, list} else "text"
 
 
-def _plain(value: Any) -> Any:
+def _json_value(value: Any) -> Any:
     if isinstance(value, complex):
         return [value.real, value.imag]
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [_json_value(item) for item in value]
     if isinstance(value, Mapping):
-        return {name: _plain(item) for name, item in value.items()}
+        return {name: _json_value(item) for name, item in value.items()}
     return value if isinstance(value, (str, int, float, bool)) else None

@@ -157,6 +157,10 @@ def show(thing: Showable) -> Shown:
     RecipeError, FileError
         If a recipe or its file cannot be read.
 
+    See Also
+    --------
+    edit, make
+
     Examples
     --------
     >>> gk.show(gk.FourBar(100, 30, 90, 70)).name

@@ -35,8 +35,10 @@ from ..recipe.load import parse
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.shown import ShownRecipe
 from ..recipe.template import template
+from .building import EMPTY
 from .edit import Draft, answer
 from .form import recipe_form
+from .strokes import known_linkages
 from .workspace import BackgroundJob, ConflictError, Jobs, Workspace, join_all
 
 HOST = "127.0.0.1"
@@ -57,7 +59,15 @@ AT_ONCE = 0.4
 # Seconds for which a request for changes of a file waits, and between two looks at it.
 LONGEST_WAIT, LOOK = 25.0, 0.3
 # Types of the optional parts of a request for an answer.
-REQUEST: dict[str, type] = {"set": dict, "drag": dict, "add": str, "locks": list, "lane": str}
+REQUEST: dict[str, type] = {
+    "set": dict,
+    "drag": dict,
+    "build": dict,
+    "draw": dict,
+    "add": str,
+    "locks": list,
+    "lane": str,
+}
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors "
@@ -106,7 +116,8 @@ class Studio:
         self._lock, self._closed = Lock(), Event()
         # The last recipe, whose checks are asked for after its scene, and the search that goes on.
         self._last: tuple[tuple[Any, ...], AbstractRecipe] | None = None
-        self._search: BackgroundJob | None = None
+        # The last search for checks, and the last one for a scene.
+        self._searches: dict[bool, BackgroundJob] = {}
         self._pictures: dict[str, bytes] = {}
 
     def get(self, name: str, query: Mapping[str, str]) -> Any:
@@ -152,7 +163,11 @@ class Studio:
                 options = body.get("options") or []
                 if not isinstance(options, list) or not all(isinstance(option, str) for option in options):
                     raise _RefusedError(HTTPStatus.BAD_REQUEST, "options has the wrong form", "give a list of texts")
+                if body.get("kind") == "":
+                    return {"text": EMPTY}
                 return {"text": self._known_kind(body, lambda kind: template(recipe_class(kind), options))}
+            case "nearest":
+                return {"known": known_linkages(body.get("points"))}
             case "make":
                 id, _ = self.jobs.start(partial(self._made, _text(body, "text"), _text(body, "recipe")))
                 return {"job": id}
@@ -167,21 +182,28 @@ class Studio:
         self.jobs.stop_all(LAST_WAIT)
 
     def _answer(self, body: Mapping[str, Any]) -> Any:
-        """An answer at once, or the job of a search that takes longer; a new request ends the search before it."""
+        """An answer at once, or the job of a search that takes longer; a new request ends the searches before it.
+
+        A request for checks ends no search for a scene: it may arrive late, and the scene is the answer to an edit.
+        """
         text, name = _text(body, "text"), _text({"recipe": "", **body}, "recipe")
         for key, form in REQUEST.items():
             if not isinstance(body.get(key) or form(), form):
                 raise _RefusedError(HTTPStatus.BAD_REQUEST, f"{key} has the wrong form", "give what the docs state")
         if not all(isinstance(key, str) for key in body.get("locks") or ()):
             raise _RefusedError(HTTPStatus.BAD_REQUEST, "locks has the wrong form", "give keys")
-        work = partial(self._answered, text, self.workspace.files_of(text), dict(body), name)
-        if not _is_search(text):
+        # The file of a mechanism that is joined.
+        further = [f"{(body.get('join') or {}).get('recipe')}.toml"]
+        work = partial(self._answered, text, self.workspace.files_of(text, further), dict(body), name)
+        if not (_is_search(text) or body.get("draw")):
             return work()
+        is_check = body.get("lane") == "checks"
         with self._lock:
-            if self._search is not None:
-                self._search.stop()
-            id, self._search = self.jobs.start(work)
-            job = self._search
+            for of_check, search in self._searches.items():
+                if of_check or not is_check:
+                    search.stop()
+            id, job = self.jobs.start(work)
+            self._searches[is_check] = job
         job.done.wait(AT_ONCE)
         return job.result if job.result is not None else {"job": id}
 

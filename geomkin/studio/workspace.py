@@ -88,10 +88,10 @@ class Workspace:
         except FileError:
             return ""
 
-    def files_of(self, text: str) -> dict[str, str]:
+    def files_of(self, text: str, further: Iterable[str] = ()) -> dict[str, str]:
         """Texts of the files that a recipe names, and of those that recipes among them name.
 
-        Those that cannot be read are left out.
+        Those that cannot be read are left out. further: names of other files.
         """
         texts: dict[str, str] = {}
         pending = [text]
@@ -100,7 +100,7 @@ class Workspace:
                 table = parsed(pending.pop())
             except GeomkinError:
                 continue
-            for name in set(_texts(table)) - set(texts):
+            for name in {*_texts(table), *further} - set(texts):
                 try:
                     if (self.folder / name).is_file():
                         texts[name] = read_text_file(name, self.folder, "a file")

@@ -379,6 +379,10 @@ def sweep(
     DesignError
         If a key or a result is unknown, there are too many combinations, or the executor fails. Rows that were
         written remain.
+
+    See Also
+    --------
+    optimise, load
     """
     return swept(recipe, values, results, out, by(executor))
 

@@ -145,6 +145,11 @@ class Found:
     _repr_html_ = moving_picture
 
     @property
+    def accuracy(self) -> str:
+        """How near it comes to what is wanted, at the start of a label; "" if it meets that exactly."""
+        return ""
+
+    @property
     def lengths(self) -> Mapping[str, float]:
         """Lengths of the links by name, mm; for a slider-crank also its offset, which may be negative."""
         return lengths_of(self.linkage)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from math import isfinite, nan
 from pathlib import Path
@@ -23,6 +23,7 @@ from ..model.corner_relief import relieved
 from ..model.thin_features import beam_checks
 from ..recipe.load import from_table
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
+from ..recipe.settings import Format
 from .comparison import (
     FINENESS,
     MOST_PLATES,
@@ -135,6 +136,8 @@ class Certificate:
         Problems of the folder itself, a sentence each.
     unit : LengthUnit
         Unit of lengths in the files of the certificate: that of the recipe.
+    reports : mapping of str to bytes
+        The reports of the recipe by file name, with these results.
     """
 
     folder: Path
@@ -146,6 +149,7 @@ class Certificate:
     files: tuple[FileReport, ...]
     problems: tuple[str, ...] = ()
     unit: LengthUnit = MM
+    reports: Mapping[str, bytes] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "problems", sentences(self.problems))
@@ -192,6 +196,10 @@ def verify(folder: PathName) -> list[Certificate]:
     ------
     FileError
         If there is no folder of a recipe.
+
+    See Also
+    --------
+    make
 
     Notes
     -----
@@ -250,13 +258,43 @@ def _certificate(folder: Path) -> Certificate:
     for k, file in enumerate(wanted[:MOST_FILES]):
         report(k / len(wanted), f"{name}: {file}")
         reports.append(_report(folder / file, expected))
-    report(1.0, name)
     files, unit = recipe.files, UNITS[recipe.units]
+    certified = _certified_reports(expected, formats, reports, unit)
+    reports = [_as_certified(folder, file, certified.get(file.file)) for file in reports]
+    # A report with problems is left as it is.
+    certified = {file.file: certified[file.file] for file in reports if file.passed and file.file in certified}
+    report(1.0, name)
     is_cut = summary.get("cut_short") or (isinstance(recipe, AbstractGoal) and recipe.cut_short)
     problems = (CUT_SHORT,) if is_cut and not all(file.passed for file in reports) else ()
-    return Certificate(
-        folder, harmless(name), harmless(kind), hashed, files.tolerance, files.kerf, tuple(reports), problems, unit
-    )
+    own = harmless(name), harmless(kind), hashed, files.tolerance, files.kerf
+    return Certificate(folder, *own, tuple(reports), problems, unit, certified)
+
+
+def _certified_reports(
+    expected: Expected, formats: Collection[str | None], files: Sequence[FileReport], unit: LengthUnit
+) -> Mapping[str, bytes]:
+    """The reports of a recipe with the results for its other files."""
+    wanted = [name for name in REPORTS if name in formats]
+    if not wanted:
+        return {}
+    rows = []
+    for file in files:
+        deviation = f"{unit.of(file.deviation):.3g}" if isfinite(file.deviation) else ""
+        verdict = "as designed" if file.passed else "NOT as designed"
+        # The report and its pictures are not listed in itself.
+        if not file.file.startswith(f"{expected.recipe.name}-report"):
+            rows.append((file.file, file.proof, deviation, verdict))
+    made = computed(expected.recipe, wanted, tuple(rows))[1]
+    return {name: content for name, content in made.items() if _format(name, expected) in REPORTS}
+
+
+def _as_certified(folder: Path, file: FileReport, certified: bytes | None) -> FileReport:
+    """A report that has the results already is made again too."""
+    path = folder / file.file
+    if certified is None or file.passed or path.is_symlink() or not path.is_file():
+        return file
+    same = path.stat().st_size == len(certified) and path.read_bytes() == certified
+    return FileReport(file.file, file.format, "made again") if same else file
 
 
 def _recipe(folder: Path, summary: Mapping[str, object], data: Mapping[str, object]) -> AbstractRecipe:
@@ -296,9 +334,8 @@ class Expected:
         """The parts with their exact curves."""
         files, parts = self.recipe.files, self.recipe.parts
         numbers = range(1, len(parts) + 1) if files.labels else [0] * len(parts)
-        return tuple(
-            exact_part(part, files.kerf, files.tolerance, files.cutter, number) for part, number in zip(parts, numbers)
-        )
+        printing = self.recipe.printing
+        return tuple(exact_part(part, files, printing, number) for part, number in zip(parts, numbers))
 
     def named(self, name: str) -> ExactPart:
         """The part of this name."""
@@ -376,6 +413,8 @@ READERS: Mapping[str, Callable[[Path, Expected], Content]] = {
     "stl": _stl,
     "3mf": _threemf,
 }
+# Formats with the results of the certificate.
+REPORTS: tuple[Format, ...] = ("report", "report-md")
 # Formats that a beam cuts.
 CUT = ("dxf", "svg")
 # Largest size of a file in sizes of the one made again, and the bytes that are added to it: more would take minutes.

@@ -37,11 +37,11 @@ path, circle { vector-effect: non-scaling-stroke; stroke-width: 1.5 }
 
 
 def certify(folder: Path) -> Certificate:
-    """Verify the folder of a recipe, and write verify.json and verify.html into it."""
+    """Verify the folder of a recipe, write verify.json and verify.html into it, and the results into its report."""
     (certificate,) = verify(folder)
     data = json.dumps(as_json(certificate.to_dict()), indent=1, ensure_ascii=False) + "\n"
     contents = (data.encode("utf-8", "replace"), certificate_page(certificate))
-    write_whole(folder, dict(zip(CERTIFICATE, contents, strict=True)))
+    write_whole(folder, dict(zip(CERTIFICATE, contents, strict=True)) | dict(certificate.reports))
     return certificate
 
 
@@ -57,7 +57,7 @@ def certificate_page(certificate: Certificate) -> bytes:
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{name}: certificate</title>'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">"
-        f"<style>{STYLE}</style></head>\n<body><h1>{name}: certificate</h1>\n<p>{verdict}</p>{problems}"
+        f"<style>{STYLE}</style></head>\n<body><main><h1>{name}: certificate</h1>\n<p>{verdict}</p>{problems}"
         "<p>The recipe was made again and each file compared with the result. Lines and solids of files that differ "
         "were measured against the exact curves of the recipe, both ways. The tolerance is "
         f"{unit.of(certificate.tolerance):.6g} {unit.name}, the kerf {unit.of(certificate.kerf):.6g} {unit.name}. "
@@ -65,7 +65,7 @@ def certificate_page(certificate: Certificate) -> bytes:
         f"<code>{text(certificate.recipe_hash)}</code>.</p>\n"
         '<div class="files" role="region" aria-label="files" tabindex="0">'
         f"<table><thead><tr><th>file</th><th>largest deviation, {unit.name}</th><th>at</th><th>parts</th><th>holes</th>"
-        f"<th>proved by</th></tr></thead><tbody>{rows}</tbody></table></div>\n{figures}</body></html>\n"
+        f"<th>proved by</th></tr></thead><tbody>{rows}</tbody></table></div>\n{figures}</main></body></html>\n"
     ).encode("utf-8", "replace")
 
 

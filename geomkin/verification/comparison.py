@@ -17,6 +17,8 @@ from ..model.corner_relief import relieved
 from ..model.part import Part
 from ..plane.region import Edges, containers, gap, is_simple, offset, overlapping
 from ..plane.vec import Complex, Real, Whole, dot
+from ..recipe.printing import Printing
+from ..recipe.settings import Files
 from .outline import EVEN, NODES, WEIGHTS, Drawing, Outline, UnreadableError, deviation, farthest, larger, outline_of
 
 # Highest order of the moments from which a rotation is found: the largest number of teeth of a gear, since the lower
@@ -290,9 +292,9 @@ def cross_section(mesh: Mesh, height: float) -> list[Outline] | None:
     return loops
 
 
-def section_heights(mesh: Mesh, part: Part) -> list[float]:
-    """Heights, mm, at which the sections of a mesh are compared with the part's."""
-    levels = np.unique(np.round(mesh.corners[:, 2], 6)) if part.twist else np.array([0.0, part.thickness])
+def section_heights(mesh: Mesh, part: Part, foot: float = 0.0) -> list[float]:
+    """Heights, mm, above the chamfer at its foot, at which the sections of a mesh are compared with the part's."""
+    levels = np.unique(np.round(mesh.corners[:, 2], 6)) if part.twist else np.array([foot, part.thickness])
     chosen = np.unique(np.linspace(0, len(levels) - 2, min(MOST_SLICES, len(levels) - 1)).astype(int))
     return [float(levels[k] + share * (levels[k + 1] - levels[k])) for k in chosen for share in CUTS]
 
@@ -325,11 +327,16 @@ MOST_LINES, MOST_PLATES = (10, 1000), (2, 20)
 
 @record(eq=False)
 class ExactPart:
-    """A part with its exact curves as polygons: those of the solid, and those of a drawing, half a kerf off them."""
+    """A part with its exact curves as polygons: those of the solid, and those of a drawing, half a kerf off them.
+
+    foot: chamfer of the lower edges of the solid, mm; bed: its section close to the bed, if it has one.
+    """
 
     part: Part
     solid: Shape
     drawn: Shape
+    foot: float = 0.0
+    bed: Shape | None = None
 
 
 @record(eq=False)
@@ -368,12 +375,13 @@ def refuse_more(found: int, expected: int, most: tuple[int, int], name: str) -> 
         raise UnreadableError(f"it has {found} {name}, and the recipe {expected}")
 
 
-def exact_part(part: Part, kerf: float, tolerance: float, cutter: float = 0.0, number: int = 0) -> ExactPart:
-    """The exact curves of a part as polygons whose error is a small share of the tolerance, mm.
+def exact_part(part: Part, files: Files, printing: Printing | None = None, number: int = 0) -> ExactPart:
+    """The exact curves of a part as polygons whose error is a small share of the tolerance.
 
-    Those of drawings are half a kerf off, and have relief for a cutter of a diameter, mm.
+    Those of drawings are half a kerf off, and have relief for a cutter; those of solids are as they are printed.
     number: that by which drawings label the part; 0 if they do not.
     """
+    kerf, cutter, tolerance = files.kerf, files.cutter, files.tolerance
     error = tolerance * FINENESS / 2
 
     def upright(curve: Outline) -> Outline:
@@ -384,13 +392,21 @@ def exact_part(part: Part, kerf: float, tolerance: float, cutter: float = 0.0, n
     solid = Shape(outline, holes, tuple(outline_of(mark, error) for mark in part.marks))
     strokes = lettered(part, number)[1] if number else ()
     marks = (*solid.marks, *(Outline(stroke, closed=False) for stroke in strokes))
-    if kerf == 0 and cutter == 0:
-        return ExactPart(part, solid, replace(solid, marks=marks))
-    holes = tuple(upright(outline_of(hole, error)) for hole in relieved(part, cutter).holes)
-    regions = offset([outline.points, *(hole.points[::-1] for hole in holes)], kerf / 2, error)
-    grown = [[Outline(loop, 2 * error) for loop in loops] for loops in regions]
-    drawn = [Shape(loops[0], tuple(map(upright, loops[1:])), marks) for loops in grown]
-    return ExactPart(part, solid, drawn[0] if len(drawn) == 1 else solid)
+
+    def moved(shape: Shape, out: float) -> Shape:
+        """The shape grown by a distance, mm; itself if it does not stay one plate."""
+        regions = offset([shape.outline.points, *(hole.points[::-1] for hole in shape.holes)], out, error)
+        grown = [[Outline(loop, 2 * error) for loop in loops] for loops in regions]
+        plates = [Shape(loops[0], tuple(map(upright, loops[1:])), shape.marks) for loops in grown]
+        return plates[0] if len(plates) == 1 else shape
+
+    relief = tuple(upright(outline_of(hole, error)) for hole in relieved(part, cutter).holes) if cutter else holes
+    drawn = replace(solid, holes=relief, marks=marks)
+    drawn = moved(drawn, kerf / 2) if kerf or cutter else drawn
+    if printing is None:
+        return ExactPart(part, solid, drawn)
+    printed, foot = moved(solid, -printing.growth / 2), printing.foot
+    return ExactPart(part, printed, drawn, foot, moved(printed, -foot * (1 - CUTS[0])) if foot else None)
 
 
 def meeting(loops: Sequence[Complex]) -> list[tuple[int, int]]:
@@ -514,24 +530,28 @@ def measure_mesh(mesh: Mesh, exact: ExactPart, tolerance: float) -> Measured:
         return Measured(name, problems=("it is not watertight, or a triangle is turned inside out",))
     z = mesh.corners[:, 2]
     problems = _thickness_problems(float(z.min()), float(z.max()), part, 4 * mesh.rounding)
-    volume, expected = mesh.volume, exact.solid.area * part.thickness
+    foot, bed = exact.foot, exact.bed or exact.solid
+    # A chamfer takes half of what its section on the bed is smaller.
+    volume, expected = mesh.volume, exact.solid.area * part.thickness - foot * (exact.solid.area - bed.area) / 2
     allowed = exact.solid.length * tolerance * part.thickness + EVEN * expected
     if abs(volume - expected) > allowed:
         problems.append(
             f"its volume is {mm(volume, unit='mm3'):.7g}, and that of the part {mm(expected, unit='mm3'):.7g}"
         )
-    if not part.twist and (np.minimum(abs(z), abs(z - part.thickness)) > 4 * mesh.rounding).any():
+    between = np.minimum(np.minimum(abs(z), abs(z - foot)), abs(z - part.thickness))
+    if not part.twist and (between > 4 * mesh.rounding).any():
         problems.append("it has corners between its two faces")
     if part.twist and (off := _corners_apart(mesh, exact)) > tolerance * (1 + FINENESS) + mesh.rounding:
         problems.append(f"a corner is {mm(off):.4g} off the curves of the part")
     worst = Measured(name, 0.0)
-    for height in section_heights(mesh, part):
+    sections = [(foot * CUTS[0], bed)] if foot else []
+    for height, shape in [*sections, *((height, exact.solid) for height in section_heights(mesh, part, foot))]:
         loops = cross_section(mesh, height)
         plate = as_plate(loops, part, height / part.thickness) if loops else None
         if plate is None:
             problems.append(f"its section at z = {mm(height):.4g} is not one plate")
             break
-        found = compared(plate, _unmarked(exact.solid), name, tolerance)
+        found = compared(plate, _unmarked(shape), name, tolerance)
         worst = found if found.problems else worst_of([worst, found])
         if found.problems:
             break

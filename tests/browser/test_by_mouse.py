@@ -146,3 +146,176 @@ def test_a_gear_pair_gets_a_given_centre_distance(hand):
     pair = mouse.saved().design
     assert pair.centre_distance == pytest.approx(wanted, abs=0.05) and pair.second.teeth > 24
     assert pair.first.module == pair.second.module == 3 and not pair.interferences
+
+
+def on_stage(page, x, y):
+    """Where a place, mm, is in the window."""
+    find = """([x, y]) => {
+        const svg = document.querySelector("#player .drawing"), box = svg.getBoundingClientRect();
+        const matrix = svg.querySelector(".world").transform.baseVal.consolidate().matrix;
+        return [box.left + matrix.e + matrix.a * x, box.top + matrix.f + matrix.d * y];
+    }"""
+    return page.evaluate(find, [x, y])
+
+
+# A Klann leg in one position, mm.
+KLANN = {
+    "O": (0, 0),
+    "upper": (-39, 75),
+    "lower": (-32, -18),
+    "crank": (7, 17),
+    "elbow": (-26, 5),
+    "hip": (-42, 35),
+    "knee": (-118, 33),
+    "foot": (-92, -65),
+}
+
+
+def middle(one, other):
+    return tuple((a + b) / 2 for a, b in zip(one, other))
+
+
+class Builder(Hand):
+    """A hand that builds a linkage."""
+
+    def count(self):
+        self.gestures += 1
+        assert self.gestures < 40
+
+    def use(self, tool, *places):
+        """Chooses a tool and clicks at places, mm."""
+        self.click(f'[data-tool="{tool}"]')
+        for place in places:
+            self.count()
+            self.page.mouse.move(*on_stage(self.page, *place))
+            self.page.mouse.click(*on_stage(self.page, *place))
+            settle(self.page)
+
+
+@pytest.fixture
+def empty_stage(studio):  # noqa: F811
+    def start(**options):
+        builder = Builder(studio("", viewport={"width": 1280, "height": 720}, **options))
+        builder.click("text=empty linkage")
+        builder.page.wait_for_selector('[data-tool="pivot"][aria-pressed="true"]')
+        return builder
+
+    return start
+
+
+def test_a_klann_leg_is_built_from_an_empty_stage(empty_stage):
+    hand = empty_stage()
+    places = KLANN
+    hand.use("pivot", places["O"], places["upper"], places["lower"])
+    hand.use("bar", places["O"], places["crank"])
+    hand.use("dyad", places["crank"], places["lower"], places["elbow"])
+    hand.use("trace", middle(places["crank"], places["elbow"]), places["hip"])
+    hand.use("dyad", places["hip"], places["upper"], places["knee"])
+    hand.use("trace", middle(places["hip"], places["knee"]), places["foot"])
+    page = hand.page
+    assert page.locator("#tools b").inner_text().startswith("1 degree of freedom")
+    hand.use("rename", places["foot"])
+    page.keyboard.type("foot")
+    hand.click("#rename-dialog button >> nth=0")
+    hand.click("#save")
+    page.keyboard.type("klann")
+    hand.click("#name-dialog button >> nth=0")
+    page.wait_for_selector("#dirty", state="hidden")
+    # The saved leg turns fully, and is that of the clicks, rounded to the grid of a pixel.
+    motion = gk.load(hand.editor.file.with_name("klann.toml")).motion
+    assert motion.assembled.all() and len(motion.linkage.bodies) == 6
+    at = {name: complex(*place) for name, place in places.items()}
+    bodies = ["crank O crank", "coupler crank elbow hip", "rocker lower elbow", "leg hip knee foot", "arm upper knee"]
+    linkage = gk.Linkage(
+        {"ground": {name: at[name] for name in ("O", "upper", "lower")}}
+        | {body: {name: at[name] for name in names} for body, *names in map(str.split, bodies)},
+        "crank",
+    )
+    apart = gk.move(linkage, motion.drive, {"elbow": -1}).point("foot").position
+    assert np.abs(motion.point("foot").position - apart).max() < 3
+    # It steps: it lifts its foot, and for a third of a turn its height hardly changes.
+    height = motion.point("foot").position.imag
+    assert np.ptp(height) > 40 and (height < height.min() + 5).mean() > 1 / 3
+
+
+def heart(share):
+    turn = 2 * np.pi * share
+    place = 32 * np.sin(turn) ** 3 + 2j * sum(a * np.cos(k * turn) for k, a in enumerate((13, -5, -2, -1), 1))
+    return place.real, place.imag
+
+
+def test_a_drawn_heart_gets_a_linkage(empty_stage):
+    hand = empty_stage()
+    page = hand.page
+    hand.click('[data-tool="path"]')
+    hand.count()
+    page.mouse.move(*on_stage(page, *heart(0)))
+    page.mouse.down()
+    for k in range(1, 73):
+        page.mouse.move(*on_stage(page, *heart(k / 72)))
+    page.mouse.up()
+    # Known linkages appear before the search has ended; its result is then shown.
+    page.wait_for_selector("#known button", timeout=60_000)
+    page.wait_for_selector("body:not(.unchecked) #candidates button", timeout=200_000)
+    assert page.locator("#known button").count() >= 4 and page.locator("#tools [data-tool=bar]").is_hidden()
+    hand.click("#save")
+    page.keyboard.type("heart")
+    hand.click("#name-dialog button >> nth=0")
+    page.wait_for_selector("#dirty", state="hidden")
+    wanted = gk.load(hand.editor.file.with_name("heart.toml")).wanted
+    drawn = np.array([complex(*heart(k / 720)) for k in range(720)])
+    assert wanted.closed and np.abs(np.array(wanted.points)[:, None] - drawn).min(axis=1).max() < 2.5
+    # The best candidate is within 8 % of its size.
+    found = gk.load(hand.editor.file.with_name("heart.toml")).found
+    assert found.bars == 6 and found.largest_distance < 0.08 * np.hypot(np.ptp(drawn.real), np.ptp(drawn.imag))
+    # A known one takes its place.
+    hand.click("#known button >> nth=0")
+    page.wait_for_selector("#tools [data-tool=bar]")
+    assert page.is_enabled("#undo") and page.is_visible("#dirty")
+
+
+SQUARE = '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H40V-30H0Z" fill="none"/></svg>'
+
+
+def test_a_dropped_drawing_is_the_wanted_path(empty_stage):
+    page = empty_stage().page
+    drop = """([text]) => {
+        const data = new DataTransfer();
+        data.items.add(new File([text], "square.svg", { type: "image/svg+xml" }));
+        document.querySelector("#player .stage").dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true }));
+    }"""
+    wanted = lambda request: "/answer" in request.url and '"draw"' in (request.post_data or "")  # noqa: E731
+    with page.expect_request(wanted, timeout=60_000) as sent:
+        page.evaluate(drop, [SQUARE])
+    assert page.locator("#known button").count() >= 4
+    xs, ys = zip(*sent.value.post_data_json["draw"]["points"])
+    assert (min(xs), max(xs), min(ys), max(ys)) == pytest.approx((0, 40, 0, 30), abs=0.2)
+    page.click("#stop")
+
+
+def test_a_gear_pair_and_a_leg_are_put_on_one_shaft(studio, tmp_path):  # noqa: F811
+    (tmp_path / "leg.toml").write_text((RECIPES / "walking-leg.toml").read_text())
+    hand = Builder(studio((RECIPES / "gear-pair.toml").read_text(), viewport={"width": 1440, "height": 900}))
+    page = hand.page
+    hand.click("#join")
+    hand.click('#folder .card:has-text("leg")')
+    axis = gk.load(hand.editor.file).rotating_bodies["second"].axis
+    hand.count()
+    x, y = on_stage(page, axis.real, axis.imag)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 50, y - 50, steps=3)
+    page.mouse.up()
+    settle(page)
+    machine = hand.saved()
+    leg = machine.mechanisms["leg"]
+    assert leg.turned_by == "it.second" and leg.phase_deg == 45 and leg.recipe.name == "leg"
+    assert {*machine.graph.speeds} == {"it", "leg"} and float(machine.graph.speeds["leg"]) == -0.5
+    # One more, of a kind.
+    hand.click("#join")
+    page.fill("#search", "disk-cam")
+    hand.click("#kinds .card:visible >> nth=0")
+    hand.count()
+    page.mouse.click(*on_stage(page, 0, 0))
+    settle(page)
+    assert hand.saved().mechanisms["disk-cam"].turned_by == "it.first"

@@ -508,3 +508,31 @@ def test_a_recipe_is_taken_away_as_python_and_as_zip(studio):
         page.click("#share-zip")
     with ZipFile(download.value.path()) as archive:
         assert {"it.svg", "it.html", "summary.json"} & set(archive.namelist()) and archive.testzip() is None
+
+
+def test_a_length_is_clicked_on_the_drawing_and_typed(studio):
+    page = studio(FOUR_BAR).page
+    page.check('input[name="dimension"]')
+    for typed, expected in [("2*16", 32), ("1.5 in", 38.1)]:
+        text = page.locator('[data-dimension="1"]')
+        box = text.bounding_box()
+        page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        page.keyboard.type(typed)
+        page.keyboard.press("Enter")
+        settle(page)
+        assert value(page, "linkage.crank") == expected
+        assert page.locator("input.length").count() == 0
+    page.keyboard.press("Control+z")
+    settle(page)
+    assert value(page, "linkage.crank") == 32
+
+
+def test_a_handle_beside_what_it_moves_has_a_line_to_it(studio):
+    page = studio(FOUR_BAR).page
+    box = page.locator('[data-handle="origin:ground"] .leash').bounding_box()
+    pivot = centre(page, "point:rocker_pivot")
+    length = [box["x"] + box["width"], box["y"]]
+    # It ends at the pivot of the crank, 100 mm left of that of the rocker.
+    scale = page.evaluate("document.querySelector('#player .world').transform.baseVal.consolidate().matrix.a")
+    assert abs(length[0] - (pivot[0] - 100 * scale)) < 2 and abs(length[1] - pivot[1]) < 2
+    assert page.locator('[data-handle="point:rocker_pin"] .leash').count() == 0

@@ -16,6 +16,7 @@ import pytest
 import geomkin as gk
 from geomkin.core.dotted_keys import numbers_in
 from geomkin.core.errors import RecipeError
+from geomkin.model.explanations import check_entry
 from geomkin.recipe.kinds import kind_names, recipe_class
 from geomkin.recipe.load import from_table
 from geomkin.recipe.recipe import AbstractGoal
@@ -28,12 +29,14 @@ ASPECTS = {
     "loads": None,
     "tolerances": None,
     "dwell": None,
+    "straight_line": None,
     "both_modes": True,
     "copies": None,
     "coefficients": True,
     "base": None,
     "stroke": None,
     "foot": "B",
+    "effective_components": True,
 }
 # Aspects that need others.
 WITH = {"foot": {"copies": [{"phase_deg": 120}, {"phase_deg": 240}]}}
@@ -100,6 +103,8 @@ def alone(table, tmp_path):
         assert ours.id == theirs.id
         np.testing.assert_array_equal(ours.values, theirs.values, err_msg=ours.id)
     assert set(values(plain.checks)) <= set(values(recipe.checks))
+    unexplained = [check.id for check in recipe.checks if check_entry(check.id) is None]
+    assert not unexplained, "give them entries in geomkin/model/explanations.toml"
 
 
 def in_machine(table, tmp_path):
@@ -122,7 +127,7 @@ def in_machine(table, tmp_path):
     x, y = table["loads"].get("gravity_m_per_s2", (0, -9.81))
     gravity = complex(x, y) * np.exp(-1j * np.radians(ANGLE_DEG))
     loads = {**table["loads"], "gravity_m_per_s2": [gravity.real, gravity.imag]}
-    if table["kind"] == "disk-cam":
+    if table["kind"] in ("disk-cam", "groove-cam", "conjugate-cams"):
         turned["drive"].pop("end_deg")
     apart = read({**turned, "loads": loads})
     frames = np.linspace(0, 2 * np.pi, len(apart.table.columns[0].values))
@@ -229,6 +234,11 @@ def cases():
 @pytest.mark.parametrize(("kind", "aspect", "way"), list(cases()))
 def test_kind_with_aspect_in_a_place_is_what_it_is_apart(kind, aspect, way, tmp_path):
     way(table_of(kind, aspect), tmp_path)
+
+
+def test_every_aspect_has_a_row():
+    keys = {aspect.key for kind in kind_names() for aspect in getattr(recipe_class(kind), "aspect_kinds", ())}
+    assert keys and not keys - ASPECTS.keys()
 
 
 @pytest.mark.parametrize("aspect", ASPECTS)

@@ -10,7 +10,7 @@ import geomkin as gk
 from geomkin.core.units import UNITS
 from geomkin.export.job import Job, StaticSource
 from geomkin.export.mesh import rounding_error, solid, solid_cut
-from geomkin.export.solids import stl, threemf
+from geomkin.export.solids import stl, write_threemf
 
 TOLERANCE = 0.005
 
@@ -50,7 +50,7 @@ def test_stl_keeps_the_tolerance(name):
 @pytest.mark.parametrize("radius", [3e3, 2e4])
 def test_3mf_keeps_the_tolerance(tmp_path, unit, radius):
     job = Job("sector", StaticSource((arc_part(radius),)), TOLERANCE, unit=UNITS[unit])
-    (tmp_path / "sector.3mf").write_bytes(threemf(job))
+    (tmp_path / "sector.3mf").write_bytes(*write_threemf(job).values())
     with zipfile.ZipFile(tmp_path / "sector.3mf") as package:
         text = package.read("3D/3dmodel.model").decode()
     pairs = np.array(re.findall(r'<vertex x="(\S+)" y="(\S+)"', text), dtype=float)

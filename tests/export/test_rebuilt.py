@@ -11,6 +11,7 @@ import ezdxf
 import numpy as np
 import pytest
 import shapely
+import shapely.affinity
 
 import geomkin as gk
 from geomkin.export.dxf import sheet
@@ -36,9 +37,8 @@ class Drawn:
     """The drawing of one part, read from the file."""
 
     def __init__(self, part, recipe):
-        is_described = part is recipe.parts[0] or part.name in recipe.notes.get(
-            "measures_mm", recipe.notes.get("wheels", ())
-        )
+        named = recipe.notes.get("measures_mm", recipe.notes.get("wheels", ()))
+        is_described = part is recipe.parts[0] or part.name in named or "mechanisms" in recipe.notes
         source = StaticSource((part,), table=recipe.table, notes=recipe.notes if is_described else {})
         job = Job("a", source, recipe.files.tolerance)
         document = ezdxf.read(io.StringIO(sheet(job).decode("cp1252")))
@@ -163,7 +163,8 @@ def rebuilt_contour(drawn, entity):
         radius = number(drawn.callout(abs(pieces[k][0] - centre), drawn.radii).split("R")[1])
         if corners[k] and corners[k - 1]:
             half = (end - start) / 2
-            side = 1 if abs(b) < 1 else -1
+            spokes = [end - centre for end in (pieces[k - 1][1], pieces[k][1])]
+            side = 1 if np.angle(spokes[1] / spokes[0]) * np.sign(b) % (2 * np.pi) < np.pi else -1
             c = (start + end) / 2 + 1j * half / abs(half) * np.sign(b) * side * np.sqrt(radius**2 - abs(half) ** 2)
         else:
             c = drawn.place(centre)
@@ -226,6 +227,10 @@ def apart(one, other):
     return max(shapely.distance(points[0], rings[1]).max(), shapely.distance(points[1], rings[0]).max())
 
 
+def words_of(drawn):
+    return " ".join(text for text, _ in drawn.texts)
+
+
 def table_of(drawn, heading):
     """The numbers of the table with a heading, row by row."""
     columns = [[at.real for text, at in drawn.texts if text == name] for name in heading]
@@ -272,37 +277,68 @@ def check_profile(drawn, exact, tolerance):
     curve = shapely.LinearRing(xy(exact))
     assert len(rows) > 70
     assert shapely.distance(shapely.points(rows), curve).max() < tolerance + ROUNDING
+    # Of a curve with pitches the table has a whole one: its ends differ by a turn.
+    if pitches := re.search(r"one of (\d+) equal pitches", words_of(drawn)):
+        ends = rows[[0, -1]] @ [1, 1j]
+        assert ends[1] / ends[0] == pytest.approx(np.exp(2j * np.pi / int(pitches[1])), abs=1e-3)
 
 
-def check_gear(drawn, exact, centre):
-    """Teeth from the table: their number, root and tip circle, and the thickness on circles between, from the span."""
-    words = " ".join(text for text, _ in drawn.texts)
-    teeth = int(re.search(r"teeth (\d+)", words)[1])
-    radii = np.abs(exact - centre)
-    if not (base := re.search(rf"base dia ({NUMBER})", words)):
-        outer = re.search(rf"outer dia ({NUMBER})", words)
-        assert not outer or float(outer[1]) / 2 == pytest.approx(radii.max(), abs=0.01)
-        return
-    inner = "between pins" in words
-    root = float(re.search(rf"root dia ({NUMBER})", words)[1]) / 2
+def cut_tooth(teeth, alpha, pitch, tip, root, thickness, fillet):
+    """One tooth and the spaces beside it, cut from a blank by rolling a rack whose corners are round."""
+    depth, half = pitch - root, (2 * np.pi * pitch / teeth - thickness) / 2
+    height = 1.5 * (tip - root)
+    lean = np.tan(alpha)
+    rack = shapely.Polygon(
+        xy(np.array([-half + depth * lean - 1j * depth, half - depth * lean - 1j * depth,
+                     half + height * lean + 1j * height, -half - height * lean + 1j * height]))
+    )  # fmt: skip
+    rack = rack.buffer(-fillet, quad_segs=90).buffer(fillet, quad_segs=90)
+    outline = 1j * pitch + shapely.get_coordinates(rack.exterior) @ [1, 1j]
+    most = np.arccos(root / tip) + 2 * height / pitch
+    space = shapely.union_all(
+        [shapely.Polygon(xy((outline + pitch * t) * np.exp(1j * t))) for t in np.linspace(-most, most, 800)]
+    )
+    blank = shapely.Point(0, 0).buffer(tip, quad_segs=3000)
+    spaces = [shapely.affinity.rotate(space, side * 180 / teeth, origin=(0, 0)) for side in (1, -1)]
+    return blank.difference(shapely.union_all(spaces))
+
+
+def check_gear(drawn, exact, centre, tolerance):
+    """Teeth from the table: cut by a rolling rack of its sizes, and compared with the outline of one tooth."""
+    words = words_of(drawn)
+
+    def value(name):
+        return float(found[1]) if (found := re.search(rf"{name} ({NUMBER})", words)) else 0.0
+
+    teeth = int(value("teeth"))
+    root, base, pitch = (value(f"{circle} dia") / 2 for circle in ("root", "base", "pitch"))
+    radii, thickness = np.abs(exact - centre), value("thickness at the pitch circle")
+    inner = "tip dia" in words
     assert (radii.max() if inner else radii.min()) == pytest.approx(root, abs=0.01)
-    span = re.search(rf"span over (\d+) teeth ({NUMBER})", words)
-    if span and "helix" not in words:
-        base, count, measure = float(base[1]) / 2, int(span[1]), float(span[2])
-        thickness = measure - (count - 1) * 2 * np.pi * base / teeth
-        tip = radii.max()
-        ring = shapely.LinearRing(xy(exact - centre))
-        for radius in np.linspace(0.4 * tip + 0.6 * max(base, root), tip, 6)[1:-1]:
-            alpha = np.arccos(base / radius)
-            angle = thickness / base - 2 * (np.tan(alpha) - alpha)
-            circle = shapely.Point(0, 0).buffer(radius, quad_segs=4000).exterior
-            inside = circle.intersection(shapely.Polygon(ring))
-            assert inside.length / teeth == pytest.approx(angle * radius, abs=0.01)
+    assert base == pytest.approx(pitch * np.cos(np.radians(value("pressure angle"))), abs=0.001)
+    ring = shapely.Polygon(xy(exact - centre))
+    ends = (radii.min(), radii.mean()) if inner else (0.4 * radii.max() + 0.6 * max(base, root), radii.max())
+    for radius in np.linspace(*ends, 6)[1:-1]:
+        # Thickness on other circles follows from that on the pitch circle (ISO 21771).
+        alpha, at = np.arccos(base / radius), np.arccos(base / pitch)
+        angle = thickness / pitch - (1 if not inner else -1) * 2 * ((np.tan(alpha) - alpha) - (np.tan(at) - at))
+        if inner:
+            angle = 2 * np.pi / teeth - angle
+        inside = shapely.Point(0, 0).buffer(radius, quad_segs=4000).exterior.intersection(ring)
+        assert inside.length / teeth == pytest.approx(angle * radius, abs=0.01)
+    if inner or "fillet at the root" in words or "tip rounding" in words or "tip chamfer" in words:
+        return
+    tip = max(diameter(text) for _, text in drawn.diameters) / 2
+    sizes = teeth, np.radians(value("pressure angle")), pitch, tip, root, thickness
+    tooth = cut_tooth(*sizes, value("tip radius of the rack cutter"))
+    z = exact - centre
+    own = z[np.abs(np.angle(z / 1j)) < np.pi / teeth]
+    assert shapely.distance(shapely.points(xy(own)), tooth.exterior).max() < tolerance + 2 * ROUNDING
 
 
 def check_rack(drawn, exact):
     """Teeth of a rack from their sentence: the material above the root line."""
-    words = " ".join(text for text, _ in drawn.texts)
+    words = words_of(drawn)
     sizes = ("teeth", "pitch", "angle", "tip", "depth", r"fillet R", "first tip at x", ", y")
     count, pitch, angle, width, depth, fillet, x, y = (float(re.search(rf"{s} ?({NUMBER})", words)[1]) for s in sizes)
     lean = np.tan(np.radians(angle))
@@ -328,7 +364,7 @@ def check_rack(drawn, exact):
 def check(part, recipe):
     drawn, tolerance = Drawn(part, recipe), recipe.files.tolerance
     exact = [gk.flatten(curve, tolerance / 20) for curve in (part.outline, *part.holes)]
-    words = " ".join(text for text, _ in drawn.texts)
+    words = words_of(drawn)
     is_gear = "teeth " in words
     loops, rebuilt = drawn.loops[: len(exact)], []
     for k, (entity, curve) in enumerate(zip(loops, exact)):
@@ -363,8 +399,8 @@ def check(part, recipe):
             assert apart(made, curve - centre) < tolerance + 2 * ROUNDING, f"loop {k}"
         elif "first tip" in words:
             check_rack(drawn, curve - centre)
-        elif is_gear:
-            check_gear(drawn, curve, 0j)
+        elif is_gear and "base dia" in words:
+            check_gear(drawn, curve, 0j, tolerance)
         else:
             check_profile(drawn, curve - centre, tolerance)
 

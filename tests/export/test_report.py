@@ -1,7 +1,7 @@
 """The report: its formulas evaluated from their written numbers, against the table of the motion; its files."""
 
 import re
-from math import acos, atan2, cos, degrees, radians, sin, sqrt
+from math import acos, asin, atan2, cos, degrees, radians, sin, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +19,8 @@ def by_hand(formula):
     """The value of a formula from the numbers in its text, with angles in deg."""
     text = re.sub(r"(\(-[\d.e-]+\)|[\d.][\d.e-]*) deg", r"radians(\1)", formula.substituted).replace("^", "**")
     names = {
-        "radians": radians, "sqrt": sqrt, "sin": sin, "cos": cos,
+        "radians": radians, "sqrt": sqrt, "sin": sin, "cos": cos, "abs": abs,
+        "arcsin": lambda value: degrees(asin(value)),
         "arccos": lambda value: degrees(acos(value)), "atan2": lambda y, x: degrees(atan2(y, x)),
     }  # fmt: skip
     return eval(text, {"__builtins__": {}}, names)
@@ -55,6 +56,92 @@ def test_numbers_of_a_four_bar_by_hand_are_those_of_its_table(form):
         ) == pytest.approx(0, abs=1e-9)
     place = complex(formulas["x"].value, formulas["y"].value) * scale * np.exp(1j * np.radians(turn))
     assert place == pytest.approx(complex(recipe.table["coupler_point_x"][row], recipe.table["coupler_point_y"][row]))
+
+
+def worked(recipe):
+    """The formulas by symbol, each of which has the value of its own text."""
+    for formula in recipe.formulas:
+        assert by_hand(formula) == pytest.approx(formula.value, rel=1e-5, abs=1e-4)
+    return {formula.symbol: formula.value for formula in recipe.formulas}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_numbers_of_a_slider_crank_by_hand_are_those_of_its_table(form):
+    further = dict(FORMS[form])
+    linkage = {"crank": 30, "coupler": 90, "offset": 12, **further.pop("linkage", {})}
+    recipe = gk.load({"kind": "slider-crank", "linkage": linkage, **further})
+    found, row = worked(recipe), len(recipe.table.columns[0].values) // 6
+    unit = 25.4 if recipe.units == "in" else 1.0
+    columns = {"x": "slide_displacement", "v": "slide_velocity", "A": "slide_acceleration"}
+    for symbol, column in columns.items():
+        assert found[symbol] * unit == pytest.approx(recipe.table[column][row], abs=1e-6), symbol
+    for symbol, column in {"omega_b": "coupler_omega", "alpha_b": "coupler_alpha"}.items():
+        assert found[symbol] == pytest.approx(recipe.table[column][row])
+    angle = recipe.table["transmission_angle"][row]
+    assert found["mu"] == pytest.approx(min(angle, 180 - angle))
+    # The farthest positions, by brute force over a turn.
+    table = gk.move(recipe.linkage, np.linspace(0, 2 * np.pi, 20001), recipe.branch)
+    assert found["S"] * unit == pytest.approx(np.ptp(table.slide("slide").displacement), abs=1e-4)
+
+
+LAWS = ["uniform", "parabolic", "harmonic", "cycloidal", "3-4-5", "4-5-6-7"]
+FOLLOWERS = [
+    {"kind": "translating-roller", "roller_radius": 8, "offset": 6},
+    {"kind": "oscillating-roller", "roller_radius": 8, "pivot_distance": 95, "arm_length": 75, "side": "below"},
+    {"kind": "translating-flat"},
+]
+
+
+def cam(law, follower, **further):
+    angle = "_deg" if "oscillating" in follower["kind"] else ""
+    program = [
+        {"kind": "dwell", "end_deg": 50},
+        {"kind": "rise", "law": law, f"rise{angle}": 9, "end_deg": 150},
+        {"kind": "return", "law": "4-5-6-7", "end_deg": 360},
+    ]
+    table = {"base_radius": 45, "direction": "clockwise", "follower": follower, "program": program}
+    return gk.load({"kind": "disk-cam", "cam": table, **further})
+
+
+@pytest.mark.parametrize(
+    ("law", "follower"), [*((law, FOLLOWERS[0]) for law in LAWS), *(("3-4-5", one) for one in FOLLOWERS[1:])]
+)
+def test_numbers_of_a_cam_by_hand_are_those_of_its_table(law, follower):
+    recipe = cam(law, follower, drive={"speed_rpm": 90, "acceleration_rad_per_s2": 5})
+    found, table = worked(recipe), recipe.table
+    row = int(np.argmin(np.abs(table["cam_angle"] - (50 + 100 * found["x"]))))
+    size = np.degrees(1) if "oscillating" in follower["kind"] else 1.0
+    assert found["s"] * size == pytest.approx(table["lift"][row])
+    assert found["v"] == pytest.approx(table["velocity"][row])
+    assert found["a"] == pytest.approx(table["acceleration"][row])
+    if "mu" in found:
+        assert found["mu"] == pytest.approx(table["pressure_angle"][row])
+    else:
+        assert 1 / found["rho"] == pytest.approx(table["profile_curvature"][row])
+
+
+def test_a_cam_without_a_plain_law_has_no_formulas():
+    assert cam("modified-sine", FOLLOWERS[0]).formulas[0].source.endswith("4-5-6-7")
+    assert gk.load(RECIPES / "table-cam.toml").formulas == ()
+
+
+def test_numbers_of_a_geneva_drive_by_hand_are_differences_of_its_rotation():
+    drive = {"speed_rpm": 40, "acceleration_rad_per_s2": 3}
+    recipe = gk.load({"kind": "geneva", "geneva": {"distance": 80, "slots": 6, "pins": 1}, "drive": drive})
+    found, wheel, step = worked(recipe), recipe.geneva, 1e-4
+    turn = np.pi - wheel.half_motion / 2 + step * np.array([-1, 0, 1])
+    low, middle, high = wheel.rotation(turn)
+    speed, first = recipe.drive.speed, (high - low) / (2 * step)
+    assert found["omega_w"] == pytest.approx(first * speed, rel=1e-6)
+    second = (high - 2 * middle + low) / step**2
+    assert found["alpha_w"] == pytest.approx(second * speed**2 + first * 3, rel=1e-5)
+    assert found["r"] == pytest.approx(wheel.crank_radius) and found["d"] == pytest.approx(wheel.dwell)
+
+
+@pytest.mark.parametrize("name", ["belt-drive", "chain-drive"])
+def test_strands_and_arcs_of_a_loop_are_its_length(name):
+    found = worked(gk.load(RECIPES / f"{name}.toml"))
+    assert found["L"] == pytest.approx(found["L_N"], rel=1e-7)
 
 
 @pytest.mark.parametrize("units", ["mm", "in"])

@@ -56,7 +56,7 @@ def test_published_pairs_need_no_conversion():
     assert found.centre_distance == pytest.approx(125, abs=1e-4)
     assert np.degrees(found.working_pressure_angle) == pytest.approx(23.1126, abs=1e-4)
     assert [2 * g.base_radius for g in (found.first, found.second)] == pytest.approx([38.322, 191.611], abs=1e-3)
-    # Heights in normal modules: tips and roots of the same reference.
+    # Heights in normal modules; the reference shortens the tips to 48.153 and 213.842 mm for the full clearance.
     assert [2 * g.tip_radius for g in (found.first, found.second)] == pytest.approx([48.158, 213.846], abs=1e-3)
     assert 2 * found.second.root_radius == pytest.approx(207.846 - 7.5, abs=1e-3)
     helix = recipe.notes["helix"]["first"]

@@ -1,10 +1,9 @@
-"""What a workshop measures, against published numbers and against calipers laid on the finished outline."""
+"""What a workshop measures, against calipers laid on the finished outline."""
 
 import numpy as np
 import pytest
 
 import geomkin as gk
-from tests.tables import gears as tables
 
 GEARS = [
     gk.SpurGear(20, 2),
@@ -17,19 +16,6 @@ RINGS = [gk.RingGear(60, 2), gk.RingGear(41, 2, 0.5), gk.RingGear(60, 2, tooth_t
 
 def ids(gear):
     return f"{type(gear).__name__} {gear.teeth}"
-
-
-def test_published_span():
-    assert gk.gear.span(gk.SpurGear(20, 2), 3).length == pytest.approx(tables.SPAN, abs=5.1e-4)
-
-
-def test_published_chordal_thickness():
-    t = tables.CHORDAL
-    gear = gk.SpurGear(12, 10, 0.3)
-    chord = gk.gear.chord(gear)
-    assert gear.tip_radius - gear.pitch_radius == pytest.approx(13)
-    assert (chord.arc, chord.chord, chord.height) == pytest.approx((t["arc"], t["chord"], t["height"]), abs=5.1e-5)
-    assert np.degrees(chord.half_angle) == pytest.approx(t["half_angle_deg"], abs=5.1e-5)
 
 
 @pytest.mark.parametrize("gear", GEARS, ids=ids)
@@ -106,3 +92,30 @@ def test_a_chord_is_measured_over_the_whole_involute_and_refused_beside_it(gear)
     for radius in (low * (1 - 1e-4), high * (1 + 1e-4)):
         with pytest.raises(gk.DesignError):
             gk.gear.chord(gear, radius)
+
+
+@pytest.mark.parametrize("kind", ["spur-gear", "ring-gear"])
+def test_deviations_of_measures_are_those_of_a_gear_with_the_thinnest_teeth(kind):
+    """Deviations in a recipe against a gear that is designed thinner by the tolerance."""
+    table = {"teeth": 48, "module": 2, "tooth_thickness_allowance": 0.02}
+    measuring = {"thickness_tolerance": 0.08, "pin_diameter": 3.6}
+    measures = gk.load({"kind": kind, "gear": table, "measuring": measuring}).notes["measures_mm"]
+    thin = gk.load({"kind": kind, "gear": table | {"tooth_thickness_allowance": 0.1}}).design
+    word = "over_pins" if kind == "spur-gear" else "between_pins"
+    assert measures[word]["pin_diameter"] == 3.6
+    least = measures[word]["measure"] + measures[word]["tolerance"]
+    assert gk.gear.over_pins(thin, 3.6).diameter == pytest.approx(least, abs=1e-6)
+    assert (measures[word]["tolerance"] < 0) == (kind == "spur-gear")
+    if span := measures.get("span"):
+        assert gk.gear.span(thin, span["teeth"]).length == pytest.approx(span["measure"] + span["tolerance"], abs=1e-6)
+
+
+@pytest.mark.parametrize("teeth", [12, 24, 60])
+@pytest.mark.parametrize(("module", "step"), [(0.5, 0.05), (2, 0.25), (8, 0.5)])
+def test_pins_have_usual_diameters_unless_others_are_given(teeth, module, step):
+    gear = {"kind": "spur-gear", "gear": {"teeth": teeth, "module": module}}
+    pin = gk.load(gear).notes["measures_mm"]["over_pins"]["pin_diameter"]
+    assert pin / step == pytest.approx(round(pin / step), abs=1e-6)
+    # Pins that would lie below the tips are not taken.
+    small = gk.load({**gear, "measuring": {"pin_diameter": 0.1 * module}}).notes["measures_mm"]["over_pins"]
+    assert small["pin_diameter"] == pin

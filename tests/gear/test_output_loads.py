@@ -41,6 +41,37 @@ def test_friction_of_the_flanks_raises_the_input_torque_by_the_lost_work():
     assert loaded.input_torque == pytest.approx(loaded_train().input_torque / shares, rel=2e-3)
 
 
+def test_loss_of_a_ring_and_its_pinion_is_that_of_the_sliding_along_the_path_of_contact():
+    pair = gk.gear.InternalGearPair(gk.SpurGear(18, 2), gk.RingGear(60, 2, addendum=0.8))
+    start, end = pair.contact_lengths
+    pitch = pair.first.base_pitch
+    along = np.linspace(start, end, 40_001)
+    pairs = sum((along + k * pitch >= start) & (along + k * pitch <= end) for k in (-2, -1, 0, 1, 2))
+    pitch_point = pair.first.base_radius * np.tan(pair.working_pressure_angle)
+    # Both turn the same way.
+    sliding = np.abs(along - pitch_point) * (1 / pair.first.base_radius - 1 / pair.second.base_radius)
+    lost = np.trapezoid(sliding / pairs, along) / pitch
+    assert gk.gear.loss_factor(pair) == pytest.approx(lost, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("driver", "fixed", "published"),
+    [
+        ("sun", "ring", lambda k, e: (1 + k * e) / (1 + k)),
+        ("carrier", "ring", lambda k, e: (1 + k) / (1 + k / e)),
+        ("ring", "sun", lambda k, e: (k + e) / (k + 1)),
+        ("carrier", "sun", lambda k, e: (k + 1) / (k + 1 / e)),
+        ("sun", "carrier", lambda k, e: e),
+        ("ring", "carrier", lambda k, e: e),
+    ],
+)
+def test_efficiency_of_a_planetary_set_is_the_published_one_of_its_members(driver, fixed, published):
+    gears = gk.gear.PlanetarySet(gk.SpurGear(24, 2), gk.SpurGear(18, 2), gk.RingGear(60, 2, addendum=0.8))
+    held = (1 - 0.1 * gk.gear.loss_factor(gears.inner)) * (1 - 0.1 * gk.gear.loss_factor(gears.outer))
+    assert gears.efficiency(0.1, driver, fixed) == pytest.approx(published(60 / 24, held), rel=1e-12)
+    assert gears.efficiency(0.0, driver, fixed) == pytest.approx(1)
+
+
 def test_forces_on_the_arbors_act_along_tangents_of_the_base_circles():
     loaded = loaded_train()
     train = loaded.train

@@ -191,6 +191,8 @@ GOOD = {
     "double_rocker": {"crank_start_deg": 60, "crank_swing_deg": 60, "rocker_start_deg": 80, "rocker_swing_deg": 40, "ground": 100.0, "crank": 40, "rocker": None, "free_angle_deg": None, "largest_ratio": 50},
     "grashof": {"linkage": FOUR_BAR},
     "longest_dwell": {"motion": MOTION, "output": "rocker", "band": 0.1},
+    "straight_part": {"motion": MOTION, "point": "coupler_point", "start": 0.5, "end": 2.0},
+    "StraightPart": {"start": 0j, "end": 70 + 0j, "deviation": 0.01, "speed_variation": 0.2},
     "scaled": {"thing": FOUR_BAR, "scale": 2.0},
     "driver_limits": {"linkage": FOUR_BAR, "branch": 1, "span": (0.0, 6.0)},
     "dyads_through": {"poses": FOUR, "count": 20},

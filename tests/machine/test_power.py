@@ -1,9 +1,13 @@
 """Power through whole machines against the virtual power of all their bodies, and the losses of their gears."""
 
+import tomllib
+
 import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.recipe.load import from_table
+from tests.texts import template_of
 
 GRAVITY = -9810j
 PAIR = {"kind": "gear-pair", "first": {"teeth": 12, "module": 2, "profile_shift": 0.3}, "second": {"teeth": 24, "module": 2}}  # fmt: skip
@@ -98,6 +102,22 @@ def test_gears_lose_power_in_either_direction_by_the_efficiency_of_their_train(s
     assert real.torques.input == pytest.approx(np.where(forwards, ideal / efficiency, ideal * efficiency), rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("kind", "body"), [("gear-pair", "second"), ("internal-gear-pair", "ring"), ("planetary", "carrier")]
+)
+def test_friction_of_gears_raises_the_torque_of_the_driver_by_their_efficiency(kind, body):
+    def torque(friction):
+        table = {**tomllib.loads(template_of(kind)), "friction": friction}
+        pump = {"recipe": PUMP, "turned_by": f"gears.{body}"}
+        machine = gk.load({"kind": "machine", "mechanisms": {"gears": {"recipe": table}, "pump": pump}})
+        notes = str(machine.recipes["gears"].notes)
+        return machine.torques.input, machine.recipes["gears"].efficiency, "'efficiency'" in notes
+
+    (ideal, none, hidden), (real, efficiency, shown) = torque(0.0), torque(0.1)
+    assert 0.9 < efficiency < 1 == none and shown and not hidden
+    assert real == pytest.approx(np.where(ideal > 0, ideal / efficiency, ideal * efficiency), rel=1e-12)
+
+
 def test_summary_of_a_machine_has_its_loads():
     """10 N on a stroke of 40 mm, there and back: no work, 5/6 of the power by the force on the way against it."""
     pair = PAIR | {"first_stock": {"material": "steel-S235"}, "second_stock": {"material": "steel-S235"}}
@@ -166,3 +186,66 @@ def test_loads_above_the_mechanisms_are_refused_with_the_place_where_they_belong
         gk.load({"kind": "machine", "mechanisms": {"pair": {"recipe": PAIR}, "pump": {"recipe": PUMP, "turned_by": "pair.second"}},
                  "loads": {}})  # fmt: skip
     assert "recipe.loads" in refused.value.problems[0].remedy
+
+
+STEEL = {"material": "steel-C45", "thickness": 6, "bore": 5}
+TURNING = {
+    "pair": ({**PAIR, "first_stock": STEEL, "second_stock": STEEL, "loads": {"torque_n_mm": 1e-3}}, "second"),
+    "train": ({"kind": "gear-train", "train": {"stages": [[12, 36], [12, 48]], "module": 1, "friction": 0.1},
+               "stock": STEEL, "loads": {"output_torque_n_mm": 1e-3}}, "driven_2"),
+    "planetary": ({"kind": "planetary", "sun_stock": STEEL, "planet_stock": STEEL, "ring_stock": {"material": "steel-C45"}, "loads": {"torque_n_mm": 1e-3}}, "carrier"),
+    "belt": ({"kind": "belt-drive", "pulleys": [{"teeth": 20}, {"teeth": 40, "at": [60, 0]}], "loads": {"torques_n_mm": [7]}}, None),
+    "cycloidal": ({"kind": "cycloidal-drive", "loads": {"torque_n_mm": 7}}, "output"),
+}  # fmt: skip
+
+
+def turning(name, mirrored=False):
+    """What turns the pump of 10 N, and its recipe in the machine."""
+    given, body = TURNING[name]
+    table = {**tomllib.loads(template_of(given["kind"])), **given}
+    body = body or list(from_table(table).rotating_bodies)[1]
+    pump = {"recipe": PUMP, "turned_by": f"drive.{body}", "mirrored": mirrored}
+    machine = gk.load({"kind": "machine", "mechanisms": {"drive": {"recipe": table}, "pump": pump}})
+    return machine, machine.recipes["drive"].notes["loads"]
+
+
+def pump_torque():
+    turn = np.linspace(0, 2 * np.pi, 100_001)
+    return np.abs(10 * np.gradient(20 * np.cos(turn) + np.sqrt(70**2 - 400 * np.sin(turn) ** 2), turn)).max()
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize(
+    ("name", "torque"),
+    [
+        ("pair", lambda loads: 2 * loads["torque_n_mm"]["first"]),
+        ("train", lambda loads: loads["torque_n_mm"]["driven_2"]),
+        ("planetary", lambda loads: abs(loads["torque_n_mm"]["carrier"])),
+        ("belt", lambda loads: 2 * loads["driver_torque_n_mm"] - 7),
+        ("cycloidal", lambda loads: 10 * loads["input_torque_n_mm"] - 7),
+    ],
+)
+def test_gears_and_belts_carry_the_torque_of_what_they_turn(name, torque, mirrored):
+    machine, loads = turning(name, mirrored)
+    assert torque(loads) == pytest.approx(pump_torque(), rel=1e-3)
+    # Their own torque is not counted twice.
+    most = np.abs(machine.torques.input).max()
+    assert most < 1.1 * (pump_torque() + 7)
+    assert machine.notes["loads"]["driver_torques_N_mm"]["pump"] == pytest.approx(pump_torque(), rel=1e-3)
+
+
+def test_strength_of_gears_in_a_machine_is_that_of_a_pair_under_this_torque():
+    machine, loads = turning("pair")
+    checks = {check.id: check.value for check in machine.checks}
+    apart = gk.load({**TURNING["pair"][0], "loads": {"torque_n_mm": loads["torque_n_mm"]["first"]}})
+    for check in apart.checks:
+        if "safety" in check.id:
+            assert checks[f"drive_{check.id}"] == pytest.approx(check.value, rel=1e-6)
+
+
+def test_a_larger_torque_of_the_recipe_stays():
+    given, body = TURNING["pair"]
+    pump = {"recipe": PUMP, "turned_by": f"drive.{body}"}
+    heavy = {**given, "loads": {"torque_n_mm": 1e4}}
+    machine = gk.load({"kind": "machine", "mechanisms": {"drive": {"recipe": heavy}, "pump": pump}})
+    assert machine.recipes["drive"].notes["loads"]["torque_n_mm"]["first"] == 1e4

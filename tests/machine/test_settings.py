@@ -113,6 +113,10 @@ def test_mechanism_at_the_ratio_1_has_the_loads_of_its_own_recipe():
     assert 360 * made.turns == pytest.approx(alone.table["crank_angle"])
     torque = alone.table["driver_torque"]
     assert made.torques.input == pytest.approx(torque, abs=1e-10 * np.abs(torque).max())
+    placed = made.recipes["pump"]
+    assert placed.notes["loads"] == alone.notes["loads"]
+    for column in alone.table.columns:
+        assert placed.table[column.id].tobytes() == column.values.tobytes()
 
 
 @pytest.mark.parametrize("mirrored", [False, True])

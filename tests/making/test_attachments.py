@@ -1,11 +1,14 @@
 """What bodies drive: points of named linkages, and the holes, screws and masses of attachments."""
 
+import tomllib
+
 import numpy as np
 import pytest
 import shapely
 
 import geomkin as gk
 from geomkin.recipe.load import from_table
+from tests.texts import template_of
 
 FOUR_BAR = {"kind": "four-bar", "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}}
 ARM = {"name": "arm", "body": "rocker", "at": [105, 10], "holes": [[-8, 0], [8, 0]]}
@@ -111,6 +114,45 @@ def test_holes_of_a_gear_are_about_its_axis():
     assert np.abs(holes_of(second, 1.5)) == pytest.approx([12, 12, 12])
     assert len(second.fits) == 4
     assert next(item.count for item in recipe.bought if item.name == "pulley") == 1
+
+
+HUB_OF_GEAR = {"name": "hub", "bolts": 3, "screw": 2}
+
+
+@pytest.mark.parametrize(
+    ("kind", "stock", "keys", "part", "circle"),
+    [
+        ("ring-gear", {"stock": {"rim": 10}}, ["attachments"], "ring", 136),
+        ("internal-gear-pair", {"ring_stock": {"rim": 10}}, ["attachments"], "ring", 136),
+        ("lantern-gears", {"stock": {}}, ["mate_attachments"], "mate", 60),
+        ("straight-sided-gears", {"stock": {}}, ["attachments", "mate_attachments"], "gear", 60),
+        ("straight-sided-gears", {"stock": {}}, ["mate_attachments"], "mate", 60),
+    ],
+    ids=["ring", "ring of a pair", "lantern wheel", "gear", "mate"],
+)
+def test_other_gears_have_attachments_too(kind, stock, keys, part, circle):
+    ((key, plain),) = stock.items()
+
+    def made(diameter):
+        items = {name: [{**HUB_OF_GEAR, "bolt_circle": diameter}] for name in keys}
+        return from_table({**tomllib.loads(template_of(kind)), key: {**plain, "clearance": 0.2, **items}})
+
+    recipe = made(circle)
+    assert np.abs(holes_of(part_of(recipe, part), 1.1)) == pytest.approx(3 * [circle / 2])
+    assert sum(bought.count for bought in recipe.bought if bought.name == "hub") == len(keys)
+    assert any("hub" in step and part in step for step in recipe.steps)
+    # No room for them: as far out as the plate goes, in the teeth or the edge of the ring.
+    with pytest.raises(gk.DesignError) as caught:
+        made(2 * np.abs(gk.flatten(part_of(recipe, part).outline, 0.1)).max()).parts
+    assert caught.value.field == f"{key}.{keys[0]}"
+
+
+def test_holes_of_a_ring_with_a_helix_would_be_twisted():
+    pair = {**tomllib.loads(template_of("internal-gear-pair")), "helix_angle_deg": 20}
+    items = {"attachments": [{**HUB_OF_GEAR, "bolt_circle": 136}]}
+    with pytest.raises(gk.DesignError) as caught:
+        from_table({**pair, "ring_stock": {"rim": 10, **items}}).parts
+    assert caught.value.field == "ring_stock.attachments"
 
 
 @pytest.mark.parametrize(

@@ -13,11 +13,13 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from geomkin.core.processes import report
 from geomkin.studio import server as module
 from geomkin.studio.server import HOST, LARGEST_BODY, MOST_A_SECOND, Studio, StudioServer
 from geomkin.studio.workspace import ConflictError, Workspace
 
 FOUR_BAR = 'kind = "four-bar"\n[linkage]\nground = 100\ncrank = 30\ncoupler = 90\nrocker = 70\n'
+POSES = 'kind = "body-guidance"\n[wanted]\nposes = [[0, 0, 0], [-20, 60, 35], [-85, 80, 90]]\n'
 
 
 @pytest.fixture(autouse=True)
@@ -190,17 +192,34 @@ def test_a_change_of_the_file_is_reported(running, tmp_path):
 
 def test_a_search_goes_on_as_a_job_that_can_be_stopped(running, monkeypatch):
     monkeypatch.setattr(module, "AT_ONCE", 0.0)
-    text = 'kind = "body-guidance"\n[wanted]\nposes = [[0, 0, 0], [-20, 60, 35], [-85, 80, 90]]\n'
-    job = json.loads(ask(running, "answer", {"text": text})[2])["job"]
+    job = json.loads(ask(running, "answer", {"text": POSES})[2])["job"]
     end = time.monotonic() + 30
     while (state := json.loads(ask(running, f"job?id={job}")[2]))["state"] == "running" and time.monotonic() < end:
         time.sleep(0.05)
     assert state["result"]["scene"] and not state["result"]["problems"]
-    slow = text.replace("[wanted]", "[search]\ntime_limit = 100\n[wanted]\nlargest_ratio = 1.01")
-    first, second = (json.loads(ask(running, "answer", {"text": slow})[2])["job"] for _ in range(2))
-    assert running.studio.jobs.get(first).done.wait(20)
-    assert ask(running, "stop", {"id": second})[0] == 200 and running.studio.jobs.get(second).done.wait(20)
     assert ask(running, "job?id=99")[0] == 404
+
+
+def test_a_newer_request_ends_searches_but_not_one_for_checks_that_of_an_edit(running, monkeypatch):
+    monkeypatch.setattr(module, "AT_ONCE", 0.0)
+
+    def endless(*_):
+        while True:
+            report(0.5, "searching")
+            time.sleep(0.01)
+
+    monkeypatch.setattr(module, "answer", endless)
+
+    def start(**lane):
+        return running.studio.jobs.get(json.loads(ask(running, "answer", {"text": POSES, **lane})[2])["job"])
+
+    scene, checks = start(), start(lane="checks")
+    newer = start(lane="checks")
+    assert checks.done.wait(20) and not scene.done.wait(0.05)
+    last = start(lane="scene")
+    assert scene.done.wait(20) and newer.done.wait(20) and not last.done.wait(0.05)
+    (id,) = (id for id in map(str, range(1, 6)) if running.studio.jobs.get(id) is last)
+    assert ask(running, "stop", {"id": id})[0] == 200 and last.done.wait(20) and last.result is None
 
 
 def test_files_are_made_and_can_be_opened(running):

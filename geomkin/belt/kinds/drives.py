@@ -15,7 +15,7 @@ from ...core.arguments import between
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity, rounded_down, to_digits
 from ...core.records import record
-from ...core.units import mm
+from ...core.units import UNITS, mm
 from ...making.assembly import BaseStock
 from ...making.motors import (
     MOTORS,
@@ -26,7 +26,7 @@ from ...making.motors import (
     nearest_motor,
     smallest_motor,
 )
-from ...model.check import Check
+from ...model.check import Check, WorkedFormula
 from ...model.motor import RPM, Motor, MotorDuty, RotatingBody
 from ...model.scene import Scene, SceneHandle, SceneMark, circle_handle, drawn_at, point_handle
 from ...model.table import Table
@@ -39,6 +39,7 @@ from ..drive import LoopDrive, LoopTensions, Pulley, loop_drive
 from ..parts import LoopPlates, PulleyStock, SprocketStock
 from ..profiles import BELTS, CHAINS, PROFILES, AbstractProfile
 from ..scene import loop_scene, turned_loop_scene
+from ..worked_formulas import loop_formulas
 
 # Teeth of a belt in mesh: with fewer its teeth shear off before its cords tear (makers' handbooks).
 LEAST_IN_MESH = 6
@@ -130,6 +131,8 @@ class LoopAdditions(Additions):
 class AbstractLoopRecipe(AbstractPlatesRecipe):
     """Base class of recipes of a loop round toothed wheels."""
 
+    carries_torques: ClassVar[bool] = True
+
     without_loads: ClassVar[str] = (
         "Wheels are balanced about their axes; tensions and shaft loads are computed with the table loads."
     )
@@ -150,12 +153,13 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
         files: Files
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.plates.check()
         for aspect in self.aspects:
             aspect.check()
 
     @property
-    def _given(self) -> Any:
+    def _loop_table(self) -> Any:
         """The table of the belt or chain."""
         return getattr(self, self.loop_name)
 
@@ -167,7 +171,7 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
     @property
     def profile(self) -> AbstractProfile:
         """Sizes of the belt or chain."""
-        return PROFILES[self._given.profile]
+        return PROFILES[self._loop_table.profile]
 
     @property
     @abstractmethod
@@ -178,7 +182,7 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
     def design(self) -> LoopDrive:
         """The wheels in their places, and the loop that fits."""
         keys = self.wheels_key, f"{self.loop_name}.{self.count_word}"
-        count, flange = getattr(self._given, self.count_word), self.stock.flange_height
+        count, flange = getattr(self._loop_table, self.count_word), self.stock.flange_height
         return loop_drive(self.profile, self.given_wheels, count, self.count_step, flange, keys)
 
     @property
@@ -250,6 +254,11 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
         )
 
     @property
+    def formulas(self) -> tuple[WorkedFormula, ...]:
+        """Ratios, and the length of the loop."""
+        return loop_formulas(self.design, UNITS[self.units])
+
+    @property
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
         drive, loop = self.design, self.design.loop
         wheels = {
@@ -287,8 +296,9 @@ class LoopLoadsAspect(AbstractAspect[AbstractLoopRecipe, LoopLoads]):
     @cached_property
     def tensions(self) -> LoopTensions:
         """Tensions under the torques."""
-        drive, torques = self.mechanism.design, iter((0.0, *self.given.torques_n_mm))
-        each = tuple(float(next(torques)) if wheel.teeth else 0.0 for wheel in drive.wheels)
+        drive, torques, setting = self.mechanism.design, iter((0.0, *self.given.torques_n_mm)), self.mechanism.setting
+        taken = [0.0, *(setting.torque_on(wheel.name) for wheel in drive.wheels[1:])]
+        each = tuple(float(next(torques)) + more if wheel.teeth else 0.0 for wheel, more in zip(drive.wheels, taken))
         tensions = LoopTensions(drive, each, 0.0)
         slack = self.given.slack_tension_n
         return replace(tensions, slack=self.mechanism.slack_share * tensions.pull if slack is None else slack)

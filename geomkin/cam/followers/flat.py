@@ -109,6 +109,10 @@ class TranslatingFlat(AbstractFace):
     tilt_deg : float, optional
         Angle of the face from the x axis, counterclockwise, between -90 and 90 deg.
 
+    See Also
+    --------
+    Cam, TranslatingRoller, OscillatingFlat
+
     Notes
     -----
     The pressure angle equals the tilt at every cam angle. Rothbart, Cams (1956), flat-faced follower; the tilted face
@@ -193,6 +197,10 @@ class OscillatingFlat(AbstractFace):
         Distance of the face from the pivot, mm, positive if the pivot is on the cam's side of the face.
     side : {"above", "below"}, optional
         Side of the line from cam axis to pivot on which the face is.
+
+    See Also
+    --------
+    Cam, OscillatingRoller, TranslatingFlat
 
     Notes
     -----

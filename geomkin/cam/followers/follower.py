@@ -71,11 +71,14 @@ class FollowerPlate:
         Closed outline, mm, in the follower's frame; for a roller about its centre.
     holes : tuple of Hole, optional
         Holes for pins and shafts.
+    window : AbstractCurve, optional
+        Opening in which the cam's shaft passes through the plate.
     """
 
     name: str
     outline: AbstractCurve
     holes: tuple[Hole, ...] = ()
+    window: AbstractCurve | None = None
 
 
 def guide_holes(bars: Bars, along: complex) -> tuple[Hole, Hole]:

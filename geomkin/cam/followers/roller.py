@@ -149,6 +149,10 @@ class TranslatingRoller(AbstractRoller):
     offset : float, optional
         Distance of that line from the cam's axis, mm, positive to +x; smaller than the prime radius.
 
+    See Also
+    --------
+    Cam, TranslatingFlat, OscillatingRoller
+
     Notes
     -----
     If the cam's sense times the offset is above 0, the pressure angle is smaller on the rise and larger on the return.
@@ -241,6 +245,10 @@ class OscillatingRoller(AbstractRoller):
         Distance of the roller's centre from the pivot, mm, above 0.
     side : {"above", "below"}, optional
         Side of the line from cam axis to pivot on which the roller is.
+
+    See Also
+    --------
+    Cam, OscillatingFlat, TranslatingRoller
 
     Notes
     -----

@@ -14,9 +14,9 @@ from ...core.errors import DesignError
 from ...core.fields import entry, to_digits
 from ...core.names import read_text_file
 from ...core.records import record
-from ...core.units import mm
+from ...core.units import UNITS, mm
 from ...making.assembly import Assembly, BaseStock
-from ...model.check import Check
+from ...model.check import Check, WorkedFormula
 from ...model.material import Mass
 from ...model.motor import RotatingBody
 from ...model.part import Part
@@ -46,7 +46,9 @@ from ..program.segments import (
     Segment,
 )
 from ..scene import cam_handles, cam_scene, with_size_plot
-from .loads import CamLoadsAspect, CamLoadsTable, MadeCam
+from .loads import CamLoadsAspect, CamLoadsTable
+from .made import MadeCam
+from .worked_formulas import cam_formulas
 
 # Rows of a cycloidal rise, so that the curve through them rests at both ends.
 ROWS = ((120.0, 0.0), (140.0, 0.577), (160.0, 3.91), (180.0, 10.0), (200.0, 16.09), (220.0, 19.423), (240.0, 20.0))
@@ -67,7 +69,7 @@ LIFTS: dict[str, Segment] = {
 class CamAdditions(Additions):
     """A further segment of the programme."""
 
-    def changes(self, recipe: DiskCamRecipe, key: str) -> Iterator[Mapping[str, Any]]:
+    def changes(self, recipe: AbstractCamRecipe, key: str) -> Iterator[Mapping[str, Any]]:
         segments = recipe.cam.program.segments
         if key == "cam.program" and (whole := getattr(segments[-1], "end_deg", None)) is not None:
             # The last segment gets shorter, and a dwell fills its end.
@@ -78,13 +80,13 @@ class CamAdditions(Additions):
 
 
 @record(kw_only=True)
-class DiskCamRecipe(AbstractComposedRecipe):
-    """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates."""
+class AbstractCamRecipe(AbstractComposedRecipe):
+    """Base class of recipes of a cam and its follower."""
 
     can_be_scaled: ClassVar[bool] = True
     aspect_kinds: ClassVar[AspectKinds] = (CamLoadsAspect,)
     additions: ClassVar[Additions] = CamAdditions()
-    kind: Literal["disk-cam"] = "disk-cam"
+    kind: str
     cam: Cam
     drive: Drive = entry("how the cam turns", default=Drive())
     loads: CamLoadsTable | None = entry(
@@ -99,6 +101,7 @@ class DiskCamRecipe(AbstractComposedRecipe):
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         speed = self.drive.speed_rpm
         if speed < 0:
             other = "counterclockwise" if self.cam.direction == "clockwise" else "clockwise"
@@ -117,7 +120,7 @@ class DiskCamRecipe(AbstractComposedRecipe):
     @cached_property
     def made(self) -> MadeCam:
         """The cam in its setting."""
-        return MadeCam(self.cam, self.drive, self.stock, self.base, self.setting)
+        return MadeCam(self.cam, self.drive, self.stock, self.base, self.setting, self.has_snap_pins)
 
     @property
     def own_table(self) -> Table:
@@ -193,6 +196,12 @@ class DiskCamRecipe(AbstractComposedRecipe):
         program = self.cam.program
         names = [segment.file for segment in program.segments if isinstance(segment, LiftTable) and segment.file]
         return {name: read_text_file(name, program.folder, "a CSV file") for name in names}
+
+    @property
+    def formulas(self) -> tuple[WorkedFormula, ...]:
+        """Lift, velocity, acceleration and pressure angle in one frame, if a segment's law is a plain formula."""
+        rates, angles = (self.made.speed, self.made.acceleration), self.table.columns[0].values
+        return cam_formulas(self.cam, angles, rates, UNITS[self.units])
 
     @property
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
@@ -271,3 +280,11 @@ class DiskCamRecipe(AbstractComposedRecipe):
             "cam.follower": follower,
             "cam.program": Program((Dwell(end_deg=120), lift, Return("cycloidal", end_deg=360))),
         }
+
+
+@record(kw_only=True)
+class DiskCamRecipe(AbstractCamRecipe):
+    """A disk cam and its follower, roller or flat face, straight or on an arm: plates, motion, profile coordinates."""
+
+    takes_snap_pins: ClassVar[bool] = True
+    kind: Literal["disk-cam"] = "disk-cam"

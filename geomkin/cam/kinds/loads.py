@@ -1,4 +1,4 @@
-"""A cam in its setting, and loads in its recipe: their table, and the columns, checks and summary of the forces."""
+"""Loads of a cam in its recipe: their table, and the columns, checks and summary of the forces."""
 
 from __future__ import annotations
 
@@ -11,18 +11,15 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, ROUNDING, entry, quantity, rounded_up, to_digits
 from ...core.records import record
-from ...making.assembly import Assembly, BaseStock
-from ...making.motors import MOTORS, MotorKey, motor_check, motor_entry, motor_summary, nearest_motor, smallest_motor
+from ...making.motors import MotorKey, motor_check, motor_entry, motor_summary, nearest_motor, smallest_motor
 from ...model.check import Check, Suggestion
 from ...model.material import Mass, Material
 from ...model.motor import Motor, MotorDuty, effective_value
-from ...model.part import Part
 from ...model.scene import Limit, Plot, Scene, SceneMark, drawn_at
 from ...model.table import Column, Table
 from ...plane.vec import Real
 from ...recipe.aspect import ALONE, AbstractAspect, Setting
-from ...recipe.recipe import part_masses
-from ...recipe.settings import BodyMass, Drive, Gravity, gravity_entry
+from ...recipe.settings import BodyMass, Gravity, gravity_entry
 from ..cam import Cam
 from ..checks import at_jumps
 from ..dynamics import (
@@ -35,61 +32,9 @@ from ..dynamics import (
     least_preload,
     least_stiffness,
 )
-from ..parts import CamStock, cam_assembly, cam_parts, follower_plates, pin_masses
+from ..parts import follower_plates
 from ..program.extrema import largest
-from ..undercut import Undercut, undercut
-
-
-@record(eq=False)
-class MadeCam:
-    """A cam and its follower as plates, at the cam angles and the speed of a recipe or of its setting."""
-
-    cam: Cam
-    drive: Drive
-    stock: CamStock
-    base: BaseStock | None
-    setting: Setting
-
-    @property
-    def speed(self) -> float:
-        """Of the cam, rad/s, in the direction in which it turns; below 0 if a machine turns it backwards."""
-        return self.drive.speed if self.setting.speed is None else self.setting.speed
-
-    @property
-    def acceleration(self) -> float:
-        """Of the cam, rad/s2."""
-        given = self.setting.acceleration
-        return self.drive.acceleration_rad_per_s2 if given is None else given
-
-    @cached_property
-    def cut(self) -> Undercut:
-        """The undercut of the cam and its trimmed outline."""
-        return undercut(self.cam)
-
-    @cached_property
-    def parts(self) -> tuple[Part, ...]:
-        """The plates of cam, follower and base."""
-        return tuple(cam_parts(self.cam, self.stock, self.cut, self.base))
-
-    @cached_property
-    def masses(self) -> Mapping[str, Mass]:
-        """Mass of cam, roller and follower; that of the follower with the pins that are glued into it."""
-        bodies = part_masses(self.parts)
-        if bodies:
-            for body, mass in pin_masses(self.cam, self.stock, self.base).items():
-                bodies[body] += mass
-        return bodies
-
-    @cached_property
-    def assembly(self) -> Assembly:
-        """Shafts, pins and collars of cam and follower, and the assembly steps."""
-        return cam_assembly(self.cam, self.stock, self.base)
-
-    @property
-    def mounted_motor(self) -> Motor | None:
-        """The motor for which a plate has holes."""
-        return MOTORS.get(str(self.stock.motor))
-
+from .made import MadeCam
 
 # Least contact force without friction of the guide over that with friction: at 0 the guide jams, and below a half
 # friction takes more than the load; chosen here.
@@ -288,11 +233,7 @@ class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
     @property
     def checks(self) -> Iterator[Check]:
         """The follower stays on the cam, its guide does not jam, the contact does not yield, and the motor suffices."""
-        least, at = self._extreme(self.contact, -1)
-        if self.cam.program.jumps.velocity.any():
-            least = -np.inf
-        name, (advice, kept) = "least force between cam and follower", self._contact_advice()
-        yield Check("follower_contact", name, least, "at least", 0, "N", advice, "contact_force", at, "", kept)
+        yield from self.contact_checks
         if self.loads.friction:
             share, at = self._extreme(lambda t: self.forces_at(t).guide_share, -1)
             advice = "friction jams the guide near 0: give a longer guide, less overhang or a larger base_radius"
@@ -309,6 +250,15 @@ class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
             position = at if np.isfinite(peak) else None
             key = "stock.motor" if self.mechanism.stock.motor is not None else "loads.motor"
             yield motor_check(self.motor or nearest_motor(self.duty), self.duty, "camshaft_torque", position, key)
+
+    @property
+    def contact_checks(self) -> Iterator[Check]:
+        """That nothing but the loads is needed to hold the follower on the cam."""
+        least, at = self._extreme(self.contact, -1)
+        if self.cam.program.jumps.velocity.any():
+            least = -np.inf
+        name, (advice, kept) = "least force between cam and follower", self._contact_advice()
+        yield Check("follower_contact", name, least, "at least", 0, "N", advice, "contact_force", at, "", kept)
 
     def _contact_advice(self) -> tuple[str, tuple[Suggestion, ...]]:
         """Advice for a follower that leaves the cam, and recipe values that keep contact."""
@@ -330,7 +280,7 @@ class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
     @property
     def summary(self) -> Mapping[str, object]:
         """Peaks, limits of the contact, and the motor, as entries of summary.json."""
-        arm, torque = self.cam.follower.oscillates, self.forces.torque
+        torque = self.forces.torque
         result: dict[str, object] = {}
         peak, at = self.peak_torque
         if np.isfinite(peak):
@@ -345,11 +295,18 @@ class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
             if all(np.isfinite(value) for value, _ in extremes.values()):
                 sizes = {end: to_digits(value) for end, (value, _) in extremes.items()}
                 result[name] = sizes | {f"{end}_at_deg": to_digits(at, 5) for end, (_, at) in extremes.items()}
-        speed = self.mechanism.speed
-        result["jump_speed_rpm"] = to_digits(jump_speed(self.cam, self.loads) * 30 / np.pi)
-        result[f"least_preload_{'N_mm' if arm else 'N'}"] = to_digits(least_preload(self.cam, self.loads, speed))
-        rate = f"least_spring_rate_{'N_mm_per_rad' if arm else 'N_per_mm'}"
-        result[rate] = to_digits(least_stiffness(self.cam, self.loads, speed))
+        result |= self.spring_summary
         if self.motor:
             result["motor"] = motor_summary(self.motor, self.duty)
         return result
+
+    @property
+    def spring_summary(self) -> Mapping[str, object]:
+        """What holds the follower on the cam, as entries of summary.json."""
+        arm, speed = self.cam.follower.oscillates, self.mechanism.speed
+        rate = f"least_spring_rate_{'N_mm_per_rad' if arm else 'N_per_mm'}"
+        return {
+            "jump_speed_rpm": to_digits(jump_speed(self.cam, self.loads) * 30 / np.pi),
+            f"least_preload_{'N_mm' if arm else 'N'}": to_digits(least_preload(self.cam, self.loads, speed)),
+            rate: to_digits(least_stiffness(self.cam, self.loads, speed)),
+        }

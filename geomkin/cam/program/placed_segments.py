@@ -87,7 +87,9 @@ def place_segments(segments: Sequence[Segment], folder: Folder) -> list[PlacedSe
                 raise DesignError("", f"found {shown(segment)}", "give a segment, such as Dwell or Rise", "wrong-type")
             check_quantities(segment)
             if isinstance(segment, Pointed):
-                placed = _given(place, segment, angle, lift if k else None, folder, alone=len(segments) == 1)
+                placed = _segment_of_points(
+                    place, segment, angle, lift if k else None, folder, alone=len(segments) == 1
+                )
             else:
                 end = _end(segment, angle)
                 end_lift, oscillates = _end_lift(segment, lift)
@@ -208,7 +210,7 @@ def _given_end(segment: Timed, before: float) -> tuple[str, float, bool | None]:
     return name, 0.0 if abs(end) < 1e-12 * abs(value) else end, name.endswith("_deg")
 
 
-def _given(
+def _segment_of_points(
     place: str, segment: Pointed, before: float, lift: float | None, folder: Folder, alone: bool
 ) -> PlacedSegment:
     """A segment with its own points. lift: of the segment before, None for the first."""

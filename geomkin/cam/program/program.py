@@ -201,6 +201,10 @@ class Program:
         If the segments do not fill the turn or overlap, or if the lifts do not close or fall below the base circle.
         Its field is a segment such as `program[2].end_deg`.
 
+    See Also
+    --------
+    Rise, Dwell, Return, Cam
+
     Notes
     -----
     Derived here.

@@ -41,6 +41,10 @@ class Dwell:
         Cam angles of start and end, and their difference, deg. Give the end or the duration; by default the segment
         starts at the end of the one before.
 
+    See Also
+    --------
+    Rise, Return, Program
+
     Notes
     -----
     The term is that of Rothbart, Cams (1956).
@@ -69,6 +73,10 @@ class Rise:
     start_deg, end_deg, duration_deg : float, optional
         Cam angles of start and end, and their difference, deg. Give the end or the duration; by default the segment
         starts at the end of the one before.
+
+    See Also
+    --------
+    Return, Dwell, Program
 
     Notes
     -----
@@ -106,6 +114,10 @@ class Return:
     start_deg, end_deg, duration_deg : float, optional
         Cam angles of start and end, and their difference, deg. Give the end or the duration; by default the segment
         starts at the end of the one before.
+
+    See Also
+    --------
+    Rise, Dwell, Program
 
     Notes
     -----

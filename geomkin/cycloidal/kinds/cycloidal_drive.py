@@ -54,6 +54,7 @@ class CycloidalLoads:
 class CycloidalDriveRecipe(AbstractPlatesRecipe):
     """A cycloidal drive: a disc of lobes on an eccentric that rolls in a ring of pins and turns an output slowly."""
 
+    carries_torques: ClassVar[bool] = True
     without_loads: ClassVar[str] = (
         "The forces of the pins and the torque on the input are computed with the table loads."
     )
@@ -68,6 +69,7 @@ class CycloidalDriveRecipe(AbstractPlatesRecipe):
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.drive.check_rows(self.cycloidal.lobes)
         for aspect in self.aspects:
             aspect.check()
@@ -193,9 +195,14 @@ class CycloidalLoadsAspect(AbstractAspect[CycloidalDriveRecipe, CycloidalLoads])
         return 1
 
     @property
+    def torque(self) -> float:
+        """Torque of the output, N mm, with that of what it turns in a machine."""
+        return self.given.torque_n_mm + self.mechanism.setting.torque_on("output")
+
+    @property
     def disc_torque(self) -> float:
         """Largest torque that one disc carries, N mm."""
-        return self.given.torque_n_mm * (1.0 if self.mechanism.cycloidal.discs == 1 else SHARE_OF_TWO)
+        return self.torque * (1.0 if self.mechanism.cycloidal.discs == 1 else SHARE_OF_TWO)
 
     def columns(self, table: Table) -> Iterator[Column]:
         force, _ = self.mechanism.cycloidal.pin_forces(self.disc_torque, np.radians(table["input_angle"]))
@@ -231,13 +238,13 @@ class CycloidalLoadsAspect(AbstractAspect[CycloidalDriveRecipe, CycloidalLoads])
     @property
     def entries(self) -> Mapping[str, object]:
         force, bearing, output, pressure = self.largest
-        torque = self.given.torque_n_mm / self.mechanism.cycloidal.lobes
+        torque = self.torque / self.mechanism.cycloidal.lobes
         own = {"pin_force_N": force, "eccentric_force_N": bearing, "output_pin_force_N": output}
         own |= {"input_torque_n_mm": torque} | ({"contact_pressure_N_per_mm2": pressure} if pressure > 0 else {})
         return {"loads": {name: to_digits(value) for name, value in own.items()}}
 
     def torque_at(self, turn: Real) -> Real:
-        torque = self.given.torque_n_mm / self.mechanism.cycloidal.lobes
+        torque = self.torque / self.mechanism.cycloidal.lobes
         return np.full(turn.shape, np.copysign(torque, self.mechanism.setting.speed or 1.0))
 
 

@@ -192,6 +192,10 @@ def conjugate(
     DesignError
         If no mate exists; the field is the argument to change.
 
+    See Also
+    --------
+    SpurGear, GearPair
+
     Examples
     --------
     >>> gear = gk.SpurGear(20, 2)

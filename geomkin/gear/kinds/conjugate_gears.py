@@ -54,6 +54,7 @@ class Mate:
         default=0.0,
         at_least=0,
         at_most=FARTHEST,
+        printed=1.0,
     )
 
 

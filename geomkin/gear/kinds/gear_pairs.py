@@ -17,6 +17,7 @@ from ...core.records import record
 from ...core.units import UNITS, mm
 from ...making.assembly import Assembly, BaseStock, RackBaseStock
 from ...making.materials import MATERIALS
+from ...making.snap_pins import pin_parts
 from ...model.check import Check, WorkedFormula, WorkedFormulas
 from ...model.motor import RotatingBody
 from ...model.part import Part
@@ -40,13 +41,18 @@ from ..ring import RingGear
 from ..scene_pairs import pair_handles, pair_scene, rack_handles, turned_pair_scene
 from ..spur import SpurGear
 from ..strength import GearLoads, PairStrength
+from ..train import loss_factor
 from .helical import (
+    LEAST_EFFICIENCY,
     AbstractHelicalRecipe,
+    Measuring,
     Tips,
     backlash_notes,
     boss_checks,
     check_tooth_points,
+    friction_entry,
     gear_quantities,
+    measuring_entry,
     mesh_notes,
     overlap_notes,
     pair_quantities,
@@ -81,6 +87,7 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     if TYPE_CHECKING:
         # Declared for the type checker only, since the order of fields is that of their first declaration.
         centre_distance: float | None
+        friction: float
         tips: Tips
         base: BaseStock | None
         loads: GearLoads | None
@@ -112,7 +119,8 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         if self.helix_angle_deg:
             return None
         strength = PairStrength(self.design, loads.torque_n_mm, self.face_width, (first, second), loads)
-        return LoadedMeshes(strength, {"": strength}, strength.torque_limit, pair_strength_notes(strength))
+        summary = pair_strength_notes(strength)
+        return LoadedMeshes(strength, {"": strength}, strength.torque_limit, summary, strength.torque)
 
     @property
     def face_width(self) -> float:
@@ -170,11 +178,16 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         side = 1 if pair.is_internal else -1
         speeds = Fraction(1), Fraction(side * pair.first.teeth, pair.second.teeth)
         axes = 0j, complex(0, -side * pair.centre_distance)
-        rings = False, pair.is_internal
+        rings, shares = (False, pair.is_internal), (1.0, self.efficiency)
         return {
-            name: RotatingBody(axis, speed, is_wheel=True, is_ring=is_ring)
-            for name, axis, speed, is_ring in zip(pair.names, axes, speeds, rings)
+            name: RotatingBody(axis, speed, True, share, is_ring)
+            for name, axis, speed, share, is_ring in zip(pair.names, axes, speeds, shares, rings)
         }
+
+    @property
+    def efficiency(self) -> float:
+        """Share of the power that reaches the second gear."""
+        return max(1 - self.friction * loss_factor(self.design), LEAST_EFFICIENCY)
 
     def scene_at(self, turn: Real) -> Scene:
         return turned_pair_scene(self.design, self.parts, turn)
@@ -204,7 +217,8 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
         sizes = {name: (gear, helix, stock.thickness) for name, gear, stock, helix in self.gears}
         mesh = mesh_notes(self.design, self.helix, self.face_width)
-        return self.mesh_notes({"pair": mesh}, sizes), assembly_summary(self)
+        own = {"efficiency": to_digits(self.efficiency)} if self.friction else {}
+        return self.mesh_notes({"pair": {**mesh, **own}}, sizes), assembly_summary(self)
 
     @property
     def formulas(self) -> tuple[WorkedFormula, ...]:
@@ -238,6 +252,7 @@ class GearPairRecipe(AbstractPairRecipe):
     """Two spur gears at their centre distance: both gears, and a plate with holes for their shafts."""
 
     additions: ClassVar[Additions] = Additions(("second_stock.motor",))
+    takes_snap_pins: ClassVar[bool] = True
     kind: Literal["gear-pair"] = "gear-pair"
     first: SpurGear = entry("the driving gear", example=SpurGear(12, 3, 0.6))
     second: SpurGear = entry("the driven gear", example=SpurGear(24, 3, 0.36))
@@ -247,12 +262,14 @@ class GearPairRecipe(AbstractPairRecipe):
     )
     tips: Tips = tips_entry()
     centre_distance: float | None = _centre_distance()
+    friction: float = friction_entry()
     first_stock: GearStock = entry("sheet and bore of the driving gear", default=GearStock())
     second_stock: GearStock = entry("sheet and bore of the driven gear", default=GearStock())
     base: BaseStock | None = entry(
         "a base plate under both gears; if omitted, a bar that holds their shafts", default=None
     )
     loads: GearLoads | None = _loads("driving gear")
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     @property
@@ -280,7 +297,8 @@ class GearPairRecipe(AbstractPairRecipe):
         if self.base is not None:
             reaches, shafts = (pair.first.tip_radius, pair.second.tip_radius), (first.bore, self.second_stock.bore)
             plate = pair_base(pair.centre_distance, reaches, shafts, first.thickness, self.base, motor=first.motor)
-            return *(replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
+            gears = (replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB"))
+            return *gears, plate, *pin_parts(self.assembly.snap_pins)
         holes = [self.first_stock.hole_diameter, self.second_stock.hole_diameter]
         if all(holes):
             # The width of the plate round a hole equals the widest hole.
@@ -290,14 +308,15 @@ class GearPairRecipe(AbstractPairRecipe):
             fits = (*self.first_stock.running_fits, *self.second_stock.running_fits)
             bar = replace(bar, fits=fits, material=self.first_stock.material)
             parts = [replace(part, hole_names=tuple(letter)) for part, letter in zip([*parts, bar], ("A", "B", "AB"))]
-        return *parts, *self.first_stock.motor_parts
+        return *parts, *self.first_stock.motor_parts, *pin_parts(self.assembly.snap_pins)
 
     @cached_property
     def assembly(self) -> Assembly:
         """Shafts, keys, collars and screws, and the steps of assembly."""
         first, second = (Wheel(name, letter, stock) for name, letter, stock in zip(self.pair.names, "AB", self.stocks))
         plate = self.first_stock.thickness if self.first_stock.bore and self.second_stock.bore else None
-        return pair_assembly(first, second, self.design.centre_distance, plate, self.base, self.helix)
+        distance = self.design.centre_distance
+        return pair_assembly(first, second, distance, plate, self.base, self.helix, self.has_snap_pins)
 
 
 @record(kw_only=True)
@@ -306,14 +325,17 @@ class InternalGearPairRecipe(AbstractPairRecipe):
 
     pair = InternalGearPair
 
+    prints_in_place: ClassVar[bool] = True
     kind: Literal["internal-gear-pair"] = "internal-gear-pair"
     pinion: SpurGear = entry("the driving gear", example=SpurGear(18, 2))
     ring: RingGear = entry("the ring round the pinion", example=RingGear(60, 2, addendum=0.8))
     tips: Tips = tips_entry()
     centre_distance: float | None = _centre_distance()
+    friction: float = friction_entry()
     pinion_stock: GearStock = entry("sheet and bore of the pinion", default=GearStock())
     ring_stock: RingStock = entry("sheet and rim of the ring", default=RingStock())
     loads: GearLoads | None = _loads("pinion")
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     base = None
@@ -356,6 +378,7 @@ class RackAndPinionRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     loads: RackLoads | None = entry(
         "force on the rack, for pinion torque and strength; the stock then names its material", default=None
     )
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
@@ -369,9 +392,8 @@ class RackAndPinionRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         if self.helix_angle_deg:
             return None
         strength = RackStrength(self.design, loads, self.stock.thickness, (material, material))
-        return LoadedMeshes(
-            strength, {"": strength}, strength.force_limit, rack_strength_notes(strength), "loads.force_n"
-        )
+        limit, summary = strength.force_limit, rack_strength_notes(strength)
+        return LoadedMeshes(strength, {"": strength}, limit, summary, strength.torque, "loads.force_n")
 
     @cached_property
     def design(self) -> RackPair:

@@ -57,11 +57,16 @@ from ..train import (
     train_table,
     turn_columns,
 )
-from .helical import boss_checks, check_tooth_points, gear_notes, mesh_notes
+from .helical import (
+    LEAST_EFFICIENCY,
+    Measuring,
+    boss_checks,
+    check_tooth_points,
+    gear_notes,
+    measuring_entry,
+    mesh_notes,
+)
 from .loaded import AbstractLoadedRecipe, LoadedMeshes, loaded_materials, train_strength_notes
-
-# Least efficiency of a mesh in a machine: with less, friction locks it.
-LEAST_EFFICIENCY = 1e-3
 
 
 @checked
@@ -223,7 +228,7 @@ class TrainSpecification:
         "direction from each arbor to the next one, deg; by default that of the arrangement", default=()
     )
     backlash: float = quantity(
-        "backlash of each mesh along the pitch circles", "modules", default=0.04, at_least=0, at_most=0.5
+        "backlash of each mesh along the pitch circles", "modules", default=0.04, at_least=0, at_most=0.5, printed=1.0
     )
     friction: float = quantity(
         "mean coefficient of friction of the flanks, for the efficiency", default=0.1, at_least=0, at_most=1
@@ -289,9 +294,11 @@ class GearTrainRecipe(AbstractLoadedRecipe):
         "torque on the last gear, for the torque of the first and for strength; the stocks then name their material",
         default=None,
     )
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.stocks.gears(self.design)
         for aspect in self.aspects:
             aspect.check()
@@ -303,7 +310,8 @@ class GearTrainRecipe(AbstractLoadedRecipe):
         strength = TrainStrength(self.design, loads, self.stock.thickness, materials)
         stages = {f"stage_{k}": stage for k, stage in enumerate(strength.stages, 1)}
         summary = train_strength_notes(strength)
-        return LoadedMeshes(strength, stages, strength.torque_limit, summary, "loads.output_torque_n_mm")
+        limit, torque = strength.torque_limit, strength.input_torque
+        return LoadedMeshes(strength, stages, limit, summary, torque, "loads.output_torque_n_mm")
 
     @cached_property
     def design(self) -> GearTrain:
@@ -382,7 +390,7 @@ class GearTrainRecipe(AbstractLoadedRecipe):
                 f"stage_{k}": {**mesh_notes(pair), "efficiency": to_digits(efficiency)}
                 for k, (pair, efficiency) in enumerate(zip(train.pairs, train.efficiencies), start=1)
             },
-            "measures_mm": {g.name: gear_notes(g.gear) for g in self.stocks.gears(train)},
+            "measures_mm": {g.name: gear_notes(g.gear, measuring=self.measuring) for g in self.stocks.gears(train)},
         }
         return notes, assembly_summary(self)
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 
 from ...core.errors import DesignError
-from ...core.fields import WIDEST, entry, to_digits
+from ...core.fields import FARTHEST, WIDEST, entry, quantity, to_digits
 from ...core.records import record
 from ...core.units import Sentence, bare_mm, marked, mm, unit_name
 from ...making.assembly import BaseStock
@@ -23,7 +24,7 @@ from ...recipe.recipe import AbstractAssembledRecipe
 from ...recipe.settings import Files
 from ..contract import AbstractInvoluteGear
 from ..helix import Hand, Helix, helix_angle
-from ..measures import chord, over_pins, span
+from ..measures import chord, over_pins, over_stock_pins, span
 
 if TYPE_CHECKING:
     from ..pair import GearPair
@@ -52,6 +53,18 @@ def tips_entry() -> Any:
     return entry(meaning, default="given")
 
 
+def friction_entry() -> Any:
+    """The field `friction`."""
+    meaning = (
+        "mean coefficient of friction of the flanks, for the efficiency, by which the torque in a machine is larger"
+    )
+    return quantity(meaning, default=0.0, at_least=0, at_most=1)
+
+
+# Least efficiency of gears in a machine: with less, friction locks them.
+LEAST_EFFICIENCY = 1e-3
+
+
 @record(checked=True, kw_only=True)
 class AbstractHelicalRecipe(AbstractAssembledRecipe):
     """Base class of recipes of involute gears."""
@@ -69,7 +82,12 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
         "section to which sizes of gears refer: perpendicular to the axis, or to the teeth", default="transverse"
     )
 
+    if TYPE_CHECKING:
+        # Declared for the type checker only, since the order of fields is that of their first declaration.
+        measuring: Measuring | None
+
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.helix  # noqa: B018  raises for a herringbone with straight teeth
 
     @property
@@ -111,7 +129,7 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
         sizes: Mapping[str, tuple[AbstractInvoluteGear, Helix, float]],
     ) -> Mapping[str, object]:
         """Notes of gears in mesh. sizes: gear, helix and face width, mm, by name."""
-        measures = {name: gear_notes(*size) for name, size in sizes.items()}
+        measures = {name: gear_notes(*size, self.measuring) for name, size in sizes.items()}
         return {**meshes, **helices_notes(sizes), "measures_mm": measures}
 
     def check_faces(self, thicknesses: Mapping[str, float]) -> None:
@@ -173,11 +191,33 @@ def boss_checks(name: str, radius: float, motor: MountedMotorKey | None, base: B
     return (Check(f"{name}_beyond_boss_hole", words, rests, "at least", 0, "mm", "give a larger wheel"),)
 
 
-def gear_notes(gear: AbstractInvoluteGear, helix: Helix = STRAIGHT, face_width: float = 0.0) -> Mapping[str, object]:
+@record(checked=True, kw_only=True)
+class Measuring:
+    """How the teeth are measured; the measures are in the drawing and in the summary."""
+
+    pin_diameter: float | None = quantity(
+        "diameter of the measuring pins; if omitted, and for gears that it does not fit, the nearest usual one",
+        "mm", default=None, above=0, at_most=FARTHEST,
+    )  # fmt: skip
+    thickness_tolerance: float = quantity(
+        "how much thinner teeth may be than designed, along the pitch circle in the transverse section",
+        "mm", default=0.0, at_least=0, at_most=FARTHEST, example=0.05,
+    )  # fmt: skip
+
+
+def measuring_entry() -> Any:
+    """The field `measuring`."""
+    return entry("pins and tolerance by which the teeth are measured", default=None)
+
+
+def gear_notes(
+    gear: AbstractInvoluteGear, helix: Helix = STRAIGHT, face_width: float = 0.0, measuring: Measuring | None = None
+) -> Mapping[str, object]:
     """Radii and measures of a gear, mm, in the transverse section; measures that do not exist are omitted.
 
     face_width: mm, used for helical teeth.
     """
+    tool: Any = getattr(gear, "cutter", None) or getattr(gear, "rack", None)
     notes: dict[str, object] = {
         "teeth": gear.teeth,
         "module": to_digits(gear.module),
@@ -189,20 +229,33 @@ def gear_notes(gear: AbstractInvoluteGear, helix: Helix = STRAIGHT, face_width: 
         "base_radius": to_digits(gear.base_radius),
         "root_radius": to_digits(gear.root_radius),
         "base_pitch": to_digits(gear.base_pitch),
+        "tooth_thickness": to_digits(gear.thickness(gear.pitch_radius)),
+        "tool_tip_radius": to_digits(tool.tip_radius * gear.module),
+        **({"tool_fillet_radius": to_digits(tool.fillet_radius * gear.module)} if tool.fillet_radius else {}),
+        **({"tool_teeth": tool.teeth, "tool_profile_shift": tool.profile_shift} if gear.is_ring else {}),
     }
+    for name in ("tip_rounding", "tip_chamfer"):
+        if size := getattr(gear, name, 0.0):
+            notes[name] = to_digits(size)
     if gear.is_undercut:
         notes["share_of_involute_lost"] = to_digits(gear.involute_lost)
+    given = measuring or Measuring()
     if helix.slope:
-        return {**notes, **_helical_measures(gear, helix, face_width)}
+        return {**notes, **_helical_measures(gear, helix, face_width, given.thickness_tolerance)}
     try:
-        pins = over_pins(gear)
-        word = "between_pins" if gear.is_ring else "over_pins"
-        notes[word] = {"pin_diameter": to_digits(pins.pin), "measure": to_digits(pins.diameter)}
+        pins = over_stock_pins(gear, given.pin_diameter)
+        sizes = {"pin_diameter": to_digits(pins.pin), "measure": to_digits(pins.diameter)}
+        if given.thickness_tolerance:
+            nominal: Any = gear
+            allowance = nominal.tooth_thickness_allowance + given.thickness_tolerance
+            thin = replace(nominal, tooth_thickness_allowance=allowance)
+            sizes["tolerance"] = to_digits(over_pins(thin, pins.pin).diameter - pins.diameter)
+        notes["between_pins" if gear.is_ring else "over_pins"] = sizes
     except DesignError:
         pass
     try:
         over = span(gear)
-        notes["span"] = {"teeth": over.teeth, "measure": to_digits(over.length)}
+        notes["span"] = _span_notes(gear, over.teeth, over.length, given.thickness_tolerance)
         tooth = chord(gear)
         notes["chordal_thickness"] = {"thickness": to_digits(tooth.chord), "height": to_digits(tooth.height)}
     except DesignError:
@@ -210,7 +263,15 @@ def gear_notes(gear: AbstractInvoluteGear, helix: Helix = STRAIGHT, face_width: 
     return notes
 
 
-def _helical_measures(gear: AbstractInvoluteGear, helix: Helix, face_width: float) -> Mapping[str, object]:
+def _span_notes(gear: AbstractInvoluteGear, teeth: int, length: float, tolerance: float) -> Mapping[str, object]:
+    """A span, and by how much it is shorter for the thinnest teeth, mm; tolerance: of the thickness in its section."""
+    less = {"tolerance": to_digits(-tolerance * float(np.cos(gear.pressure_angle)))} if tolerance else {}
+    return {"teeth": teeth, "measure": to_digits(length), **less}
+
+
+def _helical_measures(
+    gear: AbstractInvoluteGear, helix: Helix, face_width: float, tolerance: float
+) -> Mapping[str, object]:
     """The span perpendicular to the teeth, if the face is wide enough for both jaws (ISO 21771)."""
     try:
         over = span(gear)
@@ -219,7 +280,8 @@ def _helical_measures(gear: AbstractInvoluteGear, helix: Helix, face_width: floa
     angle = helix.base_angle(gear)
     if over.length * np.cos(angle) * np.sin(angle) >= helix.width(face_width):
         return {}
-    return {"span": {"teeth": over.teeth, "measure": to_digits(over.length * float(np.cos(angle)))}}
+    normal = float(np.cos(angle))
+    return {"span": _span_notes(gear, over.teeth, over.length * normal, tolerance * normal)}
 
 
 def helix_notes(gear: AbstractInvoluteGear, helix: Helix, face_width: float) -> Mapping[str, object]:

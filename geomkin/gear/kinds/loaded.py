@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -38,19 +39,21 @@ class LoadedMeshes:
     """The meshes of a recipe under its loads.
 
     strength: of the pair, train or set. meshes: by the name that their checks have in front. limit: load of the key at
-    which a safety falls to its limit. summary: entries of summary.json.
+    which a safety falls to its limit. summary: entries of summary.json. torque: on the driver, N mm.
     """
 
     strength: PairStrength | RackStrength | TrainStrength | PlanetaryStrength
     meshes: Mapping[str, AbstractMeshStrength]
     limit: float
     summary: Mapping[str, object]
+    torque: float
     key: str = "loads.torque_n_mm"
 
 
 class AbstractLoadedRecipe(AbstractComposedRecipe):
     """Base class of recipes of involute gears in mesh, whose one aspect is their loads."""
 
+    carries_torques: ClassVar[bool] = True
     # Why there are no forces without loads.
     without_loads: ClassVar[str] = ONLY_WITH_LOADS
 
@@ -78,8 +81,22 @@ class GearLoadsAspect(AbstractAspect[AbstractLoadedRecipe, LoadFactors]):
 
     @cached_property
     def meshes(self) -> LoadedMeshes | None:
-        """The meshes under the loads; None if the teeth are helical."""
-        return self.mechanism.loaded(self.given)
+        """The meshes under the loads, or the larger ones of a machine; None if the teeth are helical."""
+        meshes = self.mechanism.loaded(self.given)
+        if meshes is None or self._torque_of_machine <= meshes.torque:
+            return meshes
+        key = meshes.key.removeprefix("loads.")
+        larger = getattr(self.given, key) * self._torque_of_machine / meshes.torque
+        return self.mechanism.loaded(replace(self.given, **{key: larger}))
+
+    @property
+    def _torque_of_machine(self) -> float:
+        """Torque on the driver by what its other gears turn in a machine, N mm; the largest ones of each together."""
+        setting = self.mechanism.setting
+        if not setting.torques:
+            return 0.0
+        (_, *driven) = self.mechanism.rotating_bodies.items()
+        return sum(abs(float(body.speed)) / body.efficiency * setting.torque_on(name) for name, body in driven)
 
     def check(self) -> None:
         self.meshes  # noqa: B018  raises if a material is missing, or friction locks a train

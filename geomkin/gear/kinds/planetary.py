@@ -34,11 +34,15 @@ from ..planetary import MEMBERS, Member, PlanetarySet
 from ..scene_pairs import planetary_handles, planetary_scene
 from ..strength import GearLoads, PlanetaryStrength
 from .helical import (
+    LEAST_EFFICIENCY,
     AbstractHelicalRecipe,
+    Measuring,
     Tips,
     boss_checks,
     check_tooth_points,
+    friction_entry,
     gear_quantities,
+    measuring_entry,
     mesh_notes,
     tips_entry,
 )
@@ -50,11 +54,13 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     """A sun, planets and a ring: all gears and the carrier of the planets; one member drives, one is fixed."""
 
     additions: ClassVar[Additions] = Additions(("planet_stock.motor",))
+    prints_in_place: ClassVar[bool] = True
     kind: Literal["planetary"] = "planetary"
     gears: PlanetarySet
     tips: Tips = tips_entry()
     driver: Member = entry("member that drives", default="sun")
     fixed: Member = entry("member that is held", default="ring")
+    friction: float = friction_entry()
     drive: Drive = entry("how the driver turns", default=Drive())
     sun_stock: GearStock = entry("sheet and bore of the sun", default=GearStock())
     planet_stock: GearStock = entry("sheet and bore of the planets", default=GearStock())
@@ -65,6 +71,7 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     loads: GearLoads | None = entry(
         "torque on the driver, for forces and strength; all stocks then name their material", default=None
     )
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
@@ -106,7 +113,8 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         widths = min(sun.thickness, planet.thickness), min(planet.thickness, ring.thickness)
         strength = PlanetaryStrength(self.design, loads, widths, materials, self.driver)
         meshes = {"sun": strength.inner, "ring": strength.outer}
-        return LoadedMeshes(strength, meshes, strength.torque_limit, planetary_strength_notes(strength))
+        summary = planetary_strength_notes(strength)
+        return LoadedMeshes(strength, meshes, strength.torque_limit, summary, loads.torque_n_mm)
 
     @property
     def output(self) -> Member:
@@ -218,10 +226,16 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     def rotating_bodies(self) -> Mapping[str, RotatingBody]:
         """The driver and the output; the planets have no fixed axis."""
         members = (self.driver, self.output)
+        shares = {self.driver: 1.0, self.output: self.efficiency}
         return {
-            name: RotatingBody(0j, self.turns[name], is_wheel=name != "carrier", is_ring=name == "ring")
+            name: RotatingBody(0j, self.turns[name], name != "carrier", shares[name], name == "ring")
             for name in members
         }
+
+    @property
+    def efficiency(self) -> float:
+        """Share of the power that reaches the output."""
+        return max(self.design.efficiency(self.friction, self.driver, self.fixed), LEAST_EFFICIENCY)
 
     def scene_at(self, turn: Real) -> Scene:
         time = Column("time", "s", "time", np.zeros(turn.shape))
@@ -258,5 +272,6 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
             "ratios": {name: to_digits(ratio) for name, ratio in gears.ratios.items()},
             "sun_and_planet": mesh_notes(gears.inner, helix, min(sun, planet)),
             "planet_and_ring": mesh_notes(gears.outer, helix, min(planet, ring)),
+            **({"efficiency": to_digits(self.efficiency)} if self.friction else {}),
         }
         return self.mesh_notes(meshes, sizes), assembly_summary(self)

@@ -25,7 +25,15 @@ from ..parts_assembly import single_assembly
 from ..ring import RingGear
 from ..scene import gear_handles, gear_scene
 from ..spur import SpurGear
-from .helical import AbstractHelicalRecipe, check_tooth_points, gear_notes, gear_quantities, helix_notes
+from .helical import (
+    AbstractHelicalRecipe,
+    Measuring,
+    check_tooth_points,
+    gear_notes,
+    gear_quantities,
+    helix_notes,
+    measuring_entry,
+)
 
 
 class AbstractSingleGearRecipe(AbstractHelicalRecipe):
@@ -55,7 +63,7 @@ class AbstractSingleGearRecipe(AbstractHelicalRecipe):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        measures = gear_notes(self.design, self.helix, self.stock.thickness)
+        measures = gear_notes(self.design, self.helix, self.stock.thickness, self.measuring)
         helix = helix_notes(self.design, self.helix, self.stock.thickness)
         return {**helix, "measures_mm": measures, **assembly_summary(self)}
 
@@ -70,6 +78,7 @@ class SpurGearRecipe(AbstractSingleGearRecipe):
         "the gear's profile_shift as given, or the least without undercut", default="given"
     )
     stock: GearStock = entry("sheet and bore of the gear", default=GearStock())
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     @cached_property
@@ -107,6 +116,7 @@ class RingGearRecipe(AbstractSingleGearRecipe):
     kind: Literal["ring-gear"] = "ring-gear"
     gear: RingGear
     stock: RingStock = entry("sheet and rim of the ring", default=RingStock())
+    measuring: Measuring | None = measuring_entry()
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     @cached_property

@@ -12,9 +12,9 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
-from ...core.units import mm
+from ...core.units import UNITS, mm
 from ...making.assembly import BaseStock
-from ...model.check import Check
+from ...model.check import Check, WorkedFormula, WorkedFormulas
 from ...model.motor import RotatingBody
 from ...model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark, circle_handle, dimension, point_handle
 from ...model.table import Column, Table
@@ -72,6 +72,7 @@ class GenevaRecipe(AbstractPlatesRecipe):
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.drive.check_rows()
         self.plates.check()
         for aspect in self.aspects:
@@ -201,6 +202,27 @@ class GenevaRecipe(AbstractPlatesRecipe):
             f"wheel over crank: speed up to {velocity:.4g}, acceleration up to {acceleration:.4g} and a jump of "
             f"{entry_jump:.4g} as a pin enters, over the square of the crank's speed",
         )
+
+    @property
+    def formulas(self) -> tuple[WorkedFormula, ...]:
+        """Sizes, and the motion of the wheel as a pin is halfway from its entry to the line of centres."""
+        wheel, unit, (speed, acceleration) = self.geneva, UNITS[self.units], self.rates
+        (n, k), p = wheel.numbers, -wheel.half_motion / 2
+        given = {"n": n, "k": k, "c": float(unit.of(wheel.distance)), "p": float(np.degrees(p)), "omega": speed}
+        worked = WorkedFormulas("Bickford, Mechanisms for Intermittent Motion", given | {"alpha": acceleration})
+        m = worked.add("crank radius over distance of the axes", "m", "sin(180 deg / {n})", wheel.ratio)
+        worked.add("crank radius", "r", "{c} {m}", given["c"] * m, unit.name)
+        worked.add("share of a turn in which the wheel rests", "d", "1 - {k} ({n} - 2) / (2 {n})", wheel.dwell)
+        worked.add("largest velocity of the wheel over that of the crank", "u", "{m} / (1 - {m})", m / (1 - m))
+        q = 1 - 2 * m * np.cos(p) + m * m
+        template = "{m} (cos({p} deg) - {m}) / (1 - 2 {m} cos({p} deg) + {m}^2)"
+        first = worked.add("this ratio with the pin at the angle p", "u_p", template, m * (np.cos(p) - m) / q)
+        template = "-{m} (1 - {m}^2) sin({p} deg) / (1 - 2 {m} cos({p} deg) + {m}^2)^2"
+        second = worked.add("its derivative", "u_1", template, -m * (1 - m * m) * np.sin(p) / q**2)
+        worked.add("angular velocity of the wheel", "omega_w", "-{u_p} {omega}", -first * speed, "rad/s")
+        template, value = "-{u_1} {omega}^2 - {u_p} {alpha}", -second * speed**2 - first * acceleration
+        worked.add("angular acceleration of the wheel", "alpha_w", template, value, "rad/s2")
+        return tuple(worked.formulas)
 
     @property
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:

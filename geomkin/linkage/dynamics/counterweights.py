@@ -115,6 +115,10 @@ def balance(
         If a body turns on no fixed pivot, counterweights have no effect on the objective, or as for `forces`. For
         "driver" also if there is dry friction.
 
+    See Also
+    --------
+    forces, masses
+
     Notes
     -----
     A counterweight is a point mass m at a distance r from its pivot. All objectives are linear in its first moment,

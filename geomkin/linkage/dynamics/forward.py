@@ -188,6 +188,10 @@ def forward_dynamics(
         If the driver's steps are unequal, nothing has a mass, there is dry friction, the motor is a stepper, the start
         is not reached, or the time steps are too long.
 
+    See Also
+    --------
+    forces, Loads, Motor
+
     Notes
     -----
     Eksergian's equation of motion with the reduced inertia, integrated by the classical Runge-Kutta method; inertia and

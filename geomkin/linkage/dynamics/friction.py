@@ -32,6 +32,10 @@ class PinFriction:
     viscous : float
         Viscous couple per relative angular velocity, N mm s/rad.
 
+    See Also
+    --------
+    Loads, SlideFriction
+
     Notes
     -----
     The dry couple is sin(atan(coefficient)) x radius x force: the force at the pin touches the friction circle.
@@ -80,6 +84,10 @@ class SlideFriction:
         a pin in a slot. The slip of such a pin is that of its centre.
     viscous : float
         Viscous force per sliding velocity, N s/mm.
+
+    See Also
+    --------
+    Loads, PinFriction
 
     Notes
     -----

@@ -343,6 +343,10 @@ def forces(motion: Motion, loads: Loads, about: AboutPoint = None) -> ForceAnaly
     DesignError
         If a load names a body, point or joint that the linkage does not have, or has another number of frames.
 
+    See Also
+    --------
+    Loads, forward_dynamics, balance, masses, move
+
     Notes
     -----
     Newton's and Euler's equations of all bodies are solved as one linear system for each frame; the driver's effort

@@ -34,6 +34,10 @@ class DriveTable:
     period : float
         Drive after which the load repeats, usually 2 pi; 0 if it does not: then the first and last value hold beyond
         the table.
+
+    See Also
+    --------
+    Force, Torque, SlideForce
     """
 
     drive: Annotated[Any, ArgumentType(are_reals, "finite real numbers")]
@@ -104,6 +108,10 @@ class Force(AbstractLoad):
         N.
     frame : {"ground", "body"}
         Whether its direction is fixed on the ground or turns with the body.
+
+    See Also
+    --------
+    Loads, Torque, SlideForce, DriveTable
     """
 
     body: str
@@ -132,6 +140,10 @@ class Torque(AbstractLoad):
         N mm, counterclockwise positive.
     reaction_on : str
         The body that takes the opposite torque; "" for the ground.
+
+    See Also
+    --------
+    Loads, Force, DriveTable
     """
 
     body: str
@@ -158,6 +170,10 @@ class SlideForce(AbstractLoad):
         Name of the slider.
     force : float, array of shape (frames,), or DriveTable
         N, positive along the line's direction.
+
+    See Also
+    --------
+    Loads, Force, DriveTable
     """
 
     slide: str
@@ -240,6 +256,10 @@ class Spring(_TwoPoints):
         Length at which only the preload acts, mm.
     preload : float
         Tension at the free length, N; negative if the spring pushes.
+
+    See Also
+    --------
+    Loads, GasSpring, TorsionSpring
     """
 
     stiffness: float = quantity("stiffness", "N/mm", default=0.0, at_least=0, at_most=FARTHEST, example=2.0)
@@ -268,6 +288,10 @@ class GasSpring(_TwoPoints):
         Length of the gas column, mm: the push is force / (1 - x / gas_length) after a compression by x.
     stroke : float, optional
         By which its rod goes in, mm; for a check of recipes.
+
+    See Also
+    --------
+    Loads, Spring
     """
 
     force: float = quantity("push when fully extended", "N", default=0.0, at_least=0, at_most=FARTHEST, example=100)
@@ -311,6 +335,10 @@ class TorsionSpring(AbstractLoad):
         first frame and continues from there.
     preload : float
         Torque on `body` at the free angle, N mm.
+
+    See Also
+    --------
+    Loads, Spring
     """
 
     body: str = entry("body at one end", example="rocker")
@@ -360,6 +388,10 @@ class Loads:
     springs : sequence of Spring, GasSpring or TorsionSpring
     friction : sequence of PinFriction or SlideFriction
         Friction of joints.
+
+    See Also
+    --------
+    forces, Force, Torque, SlideForce, Spring, GasSpring, TorsionSpring, PinFriction, SlideFriction, Mass
 
     Examples
     --------

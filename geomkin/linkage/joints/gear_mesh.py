@@ -64,6 +64,10 @@ class GearMesh(AbstractJoint):
     In equilibrium the teeth press at the pitch point along the pitch circles. The part of their force along the line of
     the centres, tan 20 deg of it, presses on the two pivots alone; the forces there are without it.
 
+    See Also
+    --------
+    Linkage, Slider
+
     Examples
     --------
     >>> import geomkin as gk

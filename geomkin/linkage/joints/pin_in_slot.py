@@ -32,6 +32,10 @@ class PinInSlot(AbstractSlide):
     direction_deg : float
         Direction of the slot in the frame of `along`, deg.
 
+    See Also
+    --------
+    Linkage, Slider
+
     Examples
     --------
     >>> import geomkin as gk

@@ -151,6 +151,10 @@ class Slider(AbstractSlide):
         Direction of the line in the frame of `along`, deg.
     angle_deg : float
         Angle of the x axis of `body` from the line's direction, deg.
+
+    See Also
+    --------
+    Linkage, PinInSlot
     """
 
     name: str

@@ -16,6 +16,7 @@ from ...recipe.aspect import AbstractAspect
 from ..measures import transmission_extreme
 from ..motion import Motion
 from ..parts.counterweight_plates import RoundEnd
+from ..parts.flywheel import Flywheel
 from ..scene import linkage_scene
 from .copies import Copy, check_copies, driven_check, with_copies
 from .dwell_bands import DwellBand
@@ -32,6 +33,11 @@ class AbstractLinkageAspect(AbstractAspect[MadeLinkage, T], Generic[T]):
     def round_ends(self) -> Mapping[str, RoundEnd]:
         """Counterweights of the plates of bodies."""
         return {}
+
+    @property
+    def flywheel(self) -> Flywheel | None:
+        """The flywheel on the driver."""
+        return None
 
     def with_bodies(self, scene: Scene, motion: Motion) -> Scene:
         """The scene of a motion with the bodies that this aspect adds."""

@@ -19,6 +19,7 @@ from ..dynamics.inverse import ForceAnalysis
 from ..linkage import Linkage
 from ..motion import Motion
 from ..parts.counterweight_plates import RoundEnd, round_end
+from ..parts.flywheel import Flywheel, with_flywheel
 from ..parts.plates import assemble
 from ..parts.stack import Stack, fastener_masses, link_parts, stack_assembly
 from ..parts.stock import LinkStock
@@ -126,11 +127,14 @@ class BalancedPlates:
         return {"counterweights": ends, key: {name: to_digits(size) for name, size in sizes.items()}}
 
 
-def stack_with_ends(motion: Motion, stock: LinkStock, ends: Mapping[str, RoundEnd]) -> Stack:
-    """Plates with round ends in layers; motion: in steps so small that no collision is missed."""
+def stack_with_ends(
+    motion: Motion, stock: LinkStock, ends: Mapping[str, RoundEnd], wheel: Flywheel | None = None
+) -> Stack:
+    """Plates with round ends and a flywheel in layers; motion: in steps so small that no collision is missed."""
     assembly = assemble(motion, stock)
     plates = dict(assembly.plates) | {body: replace(assembly.plates[body], rim=end.rim) for body, end in ends.items()}
-    return stack_assembly(motion, stock, replace(assembly, plates=plates))
+    assembly = replace(assembly, plates=plates)
+    return stack_assembly(motion, stock, with_flywheel(assembly, motion.linkage, stock, wheel) if wheel else assembly)
 
 
 def balanced_plates(

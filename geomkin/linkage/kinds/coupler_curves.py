@@ -101,6 +101,7 @@ class AbstractAtlasRecipe(AbstractMovedRecipe):
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.grid.check_work(self.drive)
 
     @cached_property
@@ -190,11 +191,11 @@ class SliderCrankAtlasRecipe(AbstractAtlasRecipe):
     branch: Side = entry("1 or -1: slider right or left of the crank pin", default=1)
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.linkage.driver == "slider":
             raise DesignError(
                 "linkage.driver", "found slider", "give crank or coupler: dashes are steps of an angle", "conflict"
             )
-        super().__post_init__()
 
 
 @record(kw_only=True)

@@ -116,19 +116,11 @@ class AbstractLinkageForces(AbstractLinkageAspect[LoadsTable]):
         return np.append(0.0, np.cumsum(steps))
 
     @cached_property
-    def flywheel(self) -> Mapping[str, float]:
-        """Inertia of the flywheel for `speed_fluctuation`, and the disc of one sheet that has it; empty if none."""
-        if self.given.speed_fluctuation is None:
-            return {}
-        drive, stock = self.dense[0].drive, self.mechanism.stock
+    def steadying_inertia(self) -> float:
+        """Inertia on the driver with which its speed fluctuates by all of its mean, kg mm2; nan if unknown."""
+        drive = self.dense[0].drive
         excess = self.work - self.work[-1] * (drive - drive[0]) / (drive[-1] - drive[0])
-        inertia = float(np.ptp(excess)) / NEWTON / (self.given.speed_fluctuation * self.mechanism.speed**2)
-        if stock.material is None:
-            return {"inertia_kg_mm2": inertia}
-        # Half the mass times the square of the radius.
-        sheet = 1e-9 * stock.material.density * stock.thickness
-        radius = (2 * inertia / (np.pi * sheet)) ** 0.25
-        return {"inertia_kg_mm2": inertia, "disc_diameter_mm": 2 * radius, "disc_mass_kg": sheet * np.pi * radius**2}
+        return float(np.ptp(excess)) / NEWTON / self.mechanism.speed**2
 
     @cached_property
     def peaks(self) -> Mapping[str, tuple[float, float]]:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any, ClassVar
 
+from ...core.errors import DesignError
 from ...core.fields import entry
 from ...core.records import record
 from ...core.units import UNITS
@@ -30,6 +31,7 @@ from ..linkage import AbstractLinkage
 from ..measures import steady_bodies
 from ..motion import motion_table
 from ..parts.counterweight_plates import RoundEnd
+from ..parts.flywheel import Flywheel
 from ..parts.gears import gear_pair
 from ..parts.layers import passed_attachments
 from ..parts.stack import MOTOR_PLATE
@@ -56,6 +58,7 @@ from .moved import (
     components_entry,
 )
 from .stance import StandingAspect
+from .straight_lines import StraightLineAspect, StraightLineTable, straight_line_entry
 from .tolerances import TolerancesAspect, TolerancesTable, tolerances_entry
 
 
@@ -99,6 +102,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
     aspect_kinds: ClassVar[AspectKinds] = (
         ComponentsAspect,
         DwellAspect,
+        StraightLineAspect,
         LoadsAspect,
         TolerancesAspect,
         BothModesAspect,
@@ -106,10 +110,15 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         CopiesAspect,
     )
     additions: ClassVar[Additions] = LinkageAdditions()
+    takes_snap_pins: ClassVar[bool] = True
     stock: LinkStock
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.check_stroke()
+        if self.has_snap_pins and any(getattr(self, key, None) for key in ("copies", "foot")):
+            problem = "found snap, but copies share rods"
+            raise DesignError("printing.pins", problem, 'give "bought", or omit copies and foot', "conflict")
         self.input_range.check_rows(self.made.most_columns + sum(aspect.most_columns for aspect in self.aspects))
         for aspect in self.aspects:
             aspect.check()
@@ -120,12 +129,16 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         branch, given = branch_of(self.branch, self.branches), partial(getattr, self)
         columns = given("coefficients", False), given("effective_components", False)
         driven = (self.linkage, branch, self.input_range, self.setting, *columns, UNITS[self.units])
-        made = MadeLinkage(*driven, self.stock, given("copies", ()), given("foot", None), self._round_ends)
+        plates = given("copies", ()), given("foot", None), self._round_ends, self._flywheel
+        made = MadeLinkage(*driven, self.stock.snapped if self.has_snap_pins else self.stock, *plates)
         loads = given("loads", None)
         return replace(made, given_masses=loads.given_masses, carried=loads.carried) if loads else made
 
     def _round_ends(self) -> dict[str, RoundEnd]:
         return {body: end for aspect in self.aspects for body, end in aspect.round_ends.items()}
+
+    def _flywheel(self) -> Flywheel | None:
+        return next((wheel for aspect in self.aspects if (wheel := aspect.flywheel)), None)
 
     @property
     def assembly(self) -> MadeLinkage:
@@ -176,10 +189,12 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         stock, stack, linkage = self.stock, self.made.stack, self.linkage.linkage
         if stock.motor is not None:
             crank, pivot = linkage.driver, complex(linkage.bodies[linkage.driver][str(linkage.driver_pivot)])
-            layer = next(layer for name, layer in stack.layers.items() if stack.plates[name].body == crank)
+            layers = [layer for name, layer in stack.layers.items() if stack.plates[name].body == crank]
             attached = (item for item, middle in stack.plates[crank].attached if are_equal(middle, pivot))
-            below = (layer + stack.motor_plates) * stock.thickness
-            yield engagement_check(stock.motor, stock.thickness + hub_thickness(attached), below)
+            below = (min(layers) + stack.motor_plates) * stock.thickness
+            yield engagement_check(stock.motor, len(layers) * stock.thickness + hub_thickness(attached), below)
+        if self.has_snap_pins:
+            yield from self.made.snap_checks
 
     def _attachment_check(self) -> Check:
         made = self.made
@@ -251,6 +266,7 @@ class TurningLinkageRecipe(AbstractLinkageRecipe):
     effective_components: bool = components_entry()
     both_modes: bool = both_modes_entry()
     dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
+    straight_line: StraightLineTable | None = straight_line_entry()
     drive: Turn = entry("how the driver turns", default=Turn())
     loads: LoadsTable | None = loads_entry()
     tolerances: TolerancesTable | None = tolerances_entry()
@@ -272,6 +288,7 @@ class SlidingLinkageRecipe(AbstractLinkageRecipe):
     effective_components: bool = components_entry()
     both_modes: bool = both_modes_entry()
     dwell: DwellBand | None = entry("longest dwell of an output, for the summary", default=None)
+    straight_line: StraightLineTable | None = straight_line_entry()
     drive: Turn = entry("how the driver turns", default=Turn())
     stroke: Stroke | None = entry("how the driver slides, if a slide drives", default=None)
     loads: LoadsTable | None = loads_entry()

@@ -25,14 +25,16 @@ from ...model.motor import Motor, MotorDuty, effective_value
 from ...model.scene import Hodograph, Plot, Scene, SceneHandle, SceneMark
 from ...model.table import Column, Table, vector_columns
 from ...plane.vec import Real, without_rounding
+from ...recipe.recipe import part_masses
 from ..checks import in_driver_unit
 from ..dynamics.inverse import WATT
 from ..linkage import Linkage
 from ..parts.counterweight_plates import RoundEnd
+from ..parts.flywheel import Flywheel, flywheel_of
 from ..parts.strength import linkage_strength_checks
 from ..scene import vector_marks
 from .copies import is_whole_turn
-from .counterweights import UNBALANCED, BalancedPlates, balanced_plates
+from .counterweights import ROUNDS, UNBALANCED, BalancedPlates, balanced_plates
 from .linkage_forces import EFFORT, AbstractLinkageForces
 from .loads import LoadsTable, number_of_columns
 from .made import MadeLinkage
@@ -63,6 +65,8 @@ class LoadsAspect(AbstractLinkageForces):
             problem = "is given, but the driver makes no whole turn at a constant speed on a fixed shaft"
             remedy = "let it turn by 360 deg without acceleration, or omit it"
             raise DesignError("loads.speed_fluctuation", problem, remedy, "conflict")
+        if table.flywheel_sheets:
+            table.check_flywheel(self.linkage.driver, made.stock, bool(made.copies))
         for key in ("carried", "foot_friction"):
             if getattr(table, key) and made.foot is None:
                 problem = "is given, but the linkage has no feet on which it walks"
@@ -90,6 +94,47 @@ class LoadsAspect(AbstractLinkageForces):
     @property
     def round_ends(self) -> Mapping[str, RoundEnd]:
         return self.balanced.ends if self.balanced else {}
+
+    @cached_property
+    def flywheel(self) -> Flywheel | None:
+        """The flywheel that is cut; its holes and pins change the torque a little, and so its size."""
+        table, stock, wheel = self.given, self.mechanism.stock, None
+        if not table.flywheel_sheets or table.speed_fluctuation is None or stock.material is None:
+            return None
+        for _ in range(ROUNDS):
+            with_wheel = replace(self, mechanism=replace(self.mechanism, flywheel=partial(_same, wheel)))
+            inertia = with_wheel.steadying_inertia / table.speed_fluctuation
+            if not np.isfinite(inertia):
+                problem = "is given, but the torque is unknown at positions that the linkage does not reach"
+                raise DesignError("loads.flywheel_sheets", problem, "let the driver turn fully, or omit it", "conflict")
+            wheel = flywheel_of(inertia, table.flywheel_sheets, stock.material, self.linkage, stock)
+        return wheel
+
+    @property
+    def _flywheel_summary(self) -> Mapping[str, object]:
+        """Inertia of the flywheel for `speed_fluctuation`, and its discs, or the one it would be; empty if none."""
+        stock, allowed = self.mechanism.stock, self.given.speed_fluctuation
+        if allowed is None or not np.isfinite(inertia := self.steadying_inertia / allowed):
+            return {}
+        entries: dict[str, object] = {"inertia_kg_mm2": to_digits(inertia)}
+        if stock.material is not None and inertia:
+            wheel = self.flywheel or flywheel_of(inertia, 1, stock.material, self.linkage, stock)
+            mass = wheel.mass(stock.material, stock.thickness)
+            entries |= {"disc_diameter_mm": to_digits(2 * wheel.radius), "disc_mass_kg": to_digits(mass)}
+        return {"flywheel": entries}
+
+    @property
+    def _fluctuation_check(self) -> Check:
+        """Whether the flywheel as cut keeps the fluctuation."""
+        assert self.flywheel is not None and self.given.speed_fluctuation is not None
+        driver = self.linkage.driver
+        pivot = complex(self.linkage.bodies[driver][str(self.linkage.driver_pivot)])
+        discs = part_masses(part for part in self.mechanism.own_parts if part.body == driver != part.name)[driver]
+        inertia = float(discs.inertia + discs.mass * np.abs(discs.centre - pivot) ** 2)
+        advice = "its pins unbalance the driver: give more loads.flywheel_sheets, or a larger loads.speed_fluctuation"
+        name = "fluctuation of the speed with the flywheel under a constant torque"
+        value, limit = self.steadying_inertia / inertia, self.given.speed_fluctuation
+        return Check("speed_fluctuation", name, value, "at most", limit, "", advice)
 
     @property
     def duty(self) -> MotorDuty:
@@ -241,6 +286,8 @@ class LoadsAspect(AbstractLinkageForces):
             yield from weight_checks(self.mechanism, self.given)
         if self.balanced:
             yield self.balanced.check(self.analysis)
+        if self.flywheel:
+            yield self._fluctuation_check
         yield from self.run.checks if self.run else ()
         if stock.material:
             leg = self._legs(self.mechanism.motion, self.walking)[self._most_loaded][0]
@@ -296,8 +343,7 @@ class LoadsAspect(AbstractLinkageForces):
         result |= {key: value for key, number in known.items() if (value := to_digits_or_none(number)) is not None}
         if analysis.loads.friction:
             result["self_locking_percent"] = to_digits(100 * float(np.mean(analysis.self_locking)), 6)
-        if self.flywheel:
-            result["flywheel"] = {key: to_digits(value) for key, value in self.flywheel.items()}
+        result |= self._flywheel_summary
         if self.motor:
             result["motor"] = motor_summary(self.motor, self.duty)
         if self.walking:
@@ -309,6 +355,10 @@ class LoadsAspect(AbstractLinkageForces):
         if self.run:
             result["run"] = self.run.summary
         return {**result, "undetermined": list(analysis.undetermined)}
+
+
+def _same(wheel: Flywheel | None) -> Flywheel | None:
+    return wheel
 
 
 def _pin_forces(linkage: Linkage) -> tuple[str, ...]:

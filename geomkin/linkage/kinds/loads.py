@@ -25,6 +25,7 @@ from ..dynamics.loads import DriveTable, Force, GasSpring, Loads, SlideForce, Sp
 from ..dynamics.wrenches import Wrenches, known_body, known_place
 from ..linkage import Linkage
 from ..motion import Motion
+from ..parts.stock import LinkStock
 from ..scene_handles import body_point
 from .counterweights import CounterweightsTable
 from .runs import RunTable
@@ -35,47 +36,54 @@ ARROW = 0.05
 
 # Most motors that are compared.
 MOST_MOTORS = 6
+# Most sheets of a flywheel: each is a plate of the search for layers, whose time grows with all subsets of them.
+MOST_FLYWHEEL_SHEETS = 6
 # A turn of the driver, rad.
 TURN = 2 * np.pi
 # Positions of the driver over which the mean of a force is taken.
 MEAN_FRAMES = 3600
+# Keys of rows over the angle of a driver that turns, and over the position of one that slides.
+OVER_DRIVE = ("over_deg", "over_stroke")
 
 
-def over_deg_entry(what: str, unit: str, columns: str = "value") -> Any:
-    """Field for a load over the driver's angle."""
-    rows = f"rows [deg, {columns}] in {unit}: linear between, a step at two equal angles, repeated every turn"
-    units = ("deg", *(unit for _ in columns.split(", ")))
-    return entry(f"further {what} over the driver's angle, {rows}", default=(), units=units)
+def over_drive_entry(what: str, unit: str, columns: str = "value", slides: bool = False) -> Any:
+    """Field for a load over the driver's angle, or over the position of a slide that drives."""
+    drive, place, steps, beyond = "deg", "the driver's angle", "angles", "repeated every turn"
+    if slides:
+        drive, place, steps, beyond = "mm", "the position of a slide that drives", "positions", "constant beyond"
+    rows = f"rows [{drive}, {columns}] in {unit}: linear between, a step at two equal {steps}, {beyond}"
+    units = (drive, *(unit for _ in columns.split(", ")))
+    return entry(f"further {what} over {place}, {rows}", default=(), units=units)
 
 
 class AbstractDriveLoad(ABC):
-    """A load of a recipe: a constant, and rows over the driver's angle."""
+    """A load of a recipe: a constant, and rows over the driver's angle or stroke."""
 
     # Key of the constant, and what it is.
     constant_key: ClassVar[str]
     constant_words: ClassVar[str]
     over_deg: tuple[tuple[float, ...], ...]
+    over_stroke: tuple[tuple[float, ...], ...]
 
     def check_rows(self) -> None:
-        """DesignError if neither is given, or the angles of the rows do not rise within a turn."""
-        if getattr(self, self.constant_key) is None and not self.over_deg:
-            remedy = f"give {self.constant_words}, or rows of over_deg"
+        """DesignError if none of them is given, or the drive of the rows does not rise, or by more than a turn."""
+        if getattr(self, self.constant_key) is None and not (self.over_deg or self.over_stroke):
+            remedy = f"give {self.constant_words}, or rows of over_deg, or of over_stroke if a slide drives"
             raise DesignError(self.constant_key, "is missing", remedy, "missing-key")
-        angles = [row[0] for row in self.over_deg]
-        if any(later < earlier for earlier, later in pairwise(angles)):
-            raise DesignError("over_deg", "its angles fall", "give rising angles", "conflict")
-        if angles and angles[-1] - angles[0] > 360:
-            raise DesignError("over_deg", f"covers {angles[-1] - angles[0]:g} deg", "give at most 360 deg", "conflict")
+        for key in OVER_DRIVE:
+            if any(later[0] < earlier[0] for earlier, later in pairwise(getattr(self, key))):
+                raise DesignError(key, "its first numbers fall", "give rising ones", "conflict")
+        if self.over_deg and (turn := self.over_deg[-1][0] - self.over_deg[0][0]) > 360:
+            raise DesignError("over_deg", f"covers {turn:g} deg", "give at most 360 deg", "conflict")
 
     def value(self, constant: float | complex | None) -> float | complex | DriveTable:
         """The load with its constant, as the library has it; a row of two values is a complex number."""
         constant = constant or 0.0
-        if not self.over_deg:
+        if not (rows := self.over_deg or self.over_stroke):
             return constant
-        angles, *values = np.array(self.over_deg, dtype=float).T
-        return DriveTable(
-            np.radians(angles), constant + (values[0] + 1j * values[1] if values[1:] else values[0]), TURN
-        )
+        drive, *values = np.array(rows, dtype=float).T
+        load = constant + (values[0] + 1j * values[1] if values[1:] else values[0])
+        return DriveTable(np.radians(drive), load, TURN) if self.over_deg else DriveTable(drive, load)
 
 
 @record(checked=True)
@@ -89,7 +97,10 @@ class PointForce(AbstractDriveLoad):
     force_n: tuple[Coordinate, Coordinate] | None = entry(
         "constant force on the ground, [x, y] in N", default=None, example=(0.0, -50.0), units=("N", "N")
     )
-    over_deg: tuple[tuple[Coordinate, Coordinate, Coordinate], ...] = over_deg_entry("force", "N", "x, y")
+    over_deg: tuple[tuple[Coordinate, Coordinate, Coordinate], ...] = over_drive_entry("force", "N", "x, y")
+    over_stroke: tuple[tuple[Coordinate, Coordinate, Coordinate], ...] = over_drive_entry(
+        "force", "N", "x, y", slides=True
+    )
 
     def __post_init__(self) -> None:
         self.check_rows()
@@ -116,7 +127,8 @@ class BodyTorque(AbstractDriveLoad):
         "constant torque, counterclockwise positive", "N mm", default=None, at_least=-FARTHEST, at_most=FARTHEST,
         example=-500,
     )  # fmt: skip
-    over_deg: tuple[tuple[Coordinate, Coordinate], ...] = over_deg_entry("torque", "N mm")
+    over_deg: tuple[tuple[Coordinate, Coordinate], ...] = over_drive_entry("torque", "N mm")
+    over_stroke: tuple[tuple[Coordinate, Coordinate], ...] = over_drive_entry("torque", "N mm", slides=True)
 
     def __post_init__(self) -> None:
         self.check_rows()
@@ -133,7 +145,8 @@ class CylinderForce(AbstractDriveLoad):
         "constant force on the sliding body, positive along the line", "N", default=None, at_least=-FARTHEST,
         at_most=FARTHEST, example=-100,
     )  # fmt: skip
-    over_deg: tuple[tuple[Coordinate, Coordinate], ...] = over_deg_entry("force", "N")
+    over_deg: tuple[tuple[Coordinate, Coordinate], ...] = over_drive_entry("force", "N")
+    over_stroke: tuple[tuple[Coordinate, Coordinate], ...] = over_drive_entry("force", "N", slides=True)
 
     def __post_init__(self) -> None:
         self.check_rows()
@@ -169,10 +182,15 @@ class LoadsTable:
     masses: dict[str, BodyMass] = entry(
         "masses of bodies by name, each with mass_kg, centre and inertia_kg_mm2", default_factory=dict
     )
-    forces: tuple[PointForce, ...] = entry("forces, each with body, point and force_n", default=())
-    torques: tuple[BodyTorque, ...] = entry("torques, each with body and torque_n_mm or over_deg", default=())
+    forces: tuple[PointForce, ...] = entry(
+        "forces, each with body, point, and force_n, over_deg or over_stroke", default=()
+    )
+    torques: tuple[BodyTorque, ...] = entry(
+        "torques, each with body, and torque_n_mm, over_deg or over_stroke", default=()
+    )
     slide_forces: tuple[CylinderForce, ...] = entry(
-        "forces along slides, such as those of cylinders, each with slide and force_n or over_deg", default=()
+        "forces along slides, such as those of cylinders, each with slide, and force_n, over_deg or over_stroke",
+        default=(),
     )
     springs: tuple[Spring, ...] = entry(
         "springs between two points, each with body, point, to_body, to_point, stiffness, free_length and preload",
@@ -211,6 +229,10 @@ class LoadsTable:
     speed_fluctuation: float | None = quantity(
         "allowed difference of the largest and the least speed over their mean, for a flywheel on the driver",
         default=None, above=0, at_most=1,
+    )  # fmt: skip
+    flywheel_sheets: int = quantity(
+        "number of sheets of which the flywheel is cut, as discs on the driver; 0 if only its size is stated",
+        whole=True, default=0, at_least=0, at_most=MOST_FLYWHEEL_SHEETS,
     )  # fmt: skip
     counterweights: CounterweightsTable | None = entry(
         "round ends of bars that reduce the shaking force, with bodies, distance and largest_radius", default=None
@@ -278,11 +300,13 @@ class LoadsTable:
                     raise error.named(field) from None
         for body in self.masses:
             known_body(motion.linkage, body, "loads.masses")
+        is_sliding = motion.linkage.driven_slider is not None
+        wrong, right = OVER_DRIVE if is_sliding else OVER_DRIVE[::-1]
         for key in ("forces", "torques", "slide_forces"):
             for k, load in enumerate(getattr(self, key)):
-                if load.over_deg and motion.linkage.driven_slider is not None:
-                    problem, remedy = "is given, but a slide drives, which has no angle", f"give {load.constant_key}"
-                    raise DesignError(f"loads.{key}[{k}].over_deg", problem, f"omit it, and {remedy}", "conflict")
+                if getattr(load, wrong):
+                    problem = f"is given, but {'a slide drives' if is_sliding else 'the driver turns'}"
+                    raise DesignError(f"loads.{key}[{k}].{wrong}", problem, f"give {right} instead", "conflict")
         for key, motor in {"motor": self.motor, "motors": next(iter(self.motors), None)}.items():
             if motor and motion.linkage.driver_pivot is None:
                 problem = f"found {motor.name}, but the driver turns on no fixed shaft"
@@ -297,6 +321,23 @@ class LoadsTable:
         if self.battery_wh and not self.motors:
             problem = "is given, but no motors that run from it"
             raise DesignError("loads.battery_wh", problem, "give motors, or omit it", "conflict")
+
+    def check_flywheel(self, driver: str, stock: LinkStock, has_copies: bool) -> None:
+        """DesignError if no flywheel can be cut. driver: name of the body on which it is."""
+        key = "loads.flywheel_sheets"
+        if self.speed_fluctuation is None:
+            remedy = "give it, or omit loads.flywheel_sheets"
+            problem = "is missing, and the flywheel's size depends on it"
+            raise DesignError("loads.speed_fluctuation", problem, remedy, "missing-key")
+        if stock.material is None:
+            problem, remedy = "is missing, and the flywheel's size depends on it", f'give "steel-S235", or omit {key}'
+            raise DesignError("stock.material", problem, remedy, "missing-key")
+        if driver in self.masses:
+            problem = f"is given, and the flywheel on the {driver} would change it"
+            raise DesignError(f"loads.masses.{driver}", problem, f"omit it, or {key}", "conflict")
+        if has_copies:
+            problem = "is given, but copies share the shaft, and each would have its own"
+            raise DesignError(key, problem, "omit it: summary.json states the flywheel of all together", "conflict")
 
     @property
     def given_masses(self) -> dict[str, Mass]:

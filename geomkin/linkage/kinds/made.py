@@ -13,6 +13,8 @@ from ...core.records import record
 from ...core.units import MM, LengthUnit
 from ...making.fasteners import gathered
 from ...making.motors import MOTORS
+from ...making.snap_pins import snap_checks
+from ...model.check import Check
 from ...model.material import Mass
 from ...model.motor import Motor
 from ...model.part import Bought, Part
@@ -27,6 +29,7 @@ from ..linkage import AbstractLinkage
 from ..motion import Motion, motion_table
 from ..moving import move
 from ..parts.counterweight_plates import RoundEnd
+from ..parts.flywheel import Flywheel
 from ..parts.frame import frame_places, with_frame
 from ..parts.stack import Stack, fastener_masses, link_parts
 from ..parts.stock import LinkStock
@@ -39,6 +42,10 @@ from .loads import CarriedMass
 MOST_DYADS = 2
 # Decimals of rad to which angles of the driver count as one.
 SAME_ANGLE = 12
+
+
+def no_flywheel() -> None:
+    """None: most linkages have no flywheel."""
 
 
 @record(eq=False)
@@ -137,14 +144,15 @@ class MadeLinkage(DrivenLinkage):
     """A linkage with its copies as plates in layers.
 
     stock: sheet and pins. foot: the point on which it walks; rods then join the grounds of its copies. round_ends: the
-    counterweights of bodies, which may depend on the plates without them. given_masses: of bodies, instead of those of
-    their parts. carried: on the frame of a walker.
+    counterweights of bodies, which may depend on the plates without them. flywheel: likewise. given_masses: of bodies,
+    instead of those of their parts. carried: on the frame of a walker.
     """
 
     stock: LinkStock = LinkStock()
     copies: tuple[Copy, ...] = ()
     foot: str | None = None
     round_ends: Callable[[], Mapping[str, RoundEnd]] = dict
+    flywheel: Callable[[], Flywheel | None] = no_flywheel
     given_masses: Mapping[str, Mass] = field(default_factory=dict)
     carried: tuple[CarriedMass, ...] = ()
 
@@ -157,7 +165,7 @@ class MadeLinkage(DrivenLinkage):
     def _unframed(self) -> tuple[Stack, Stack]:
         """The stacks of the first linkage and of a copy, without the frame of a walker."""
         ends = self.round_ends()
-        own = stack_with_ends(self.fine_motion, self.stock, ends)
+        own = stack_with_ends(self.fine_motion, self.stock, ends, self.flywheel())
         return own, own if self.stock.motor is None else stack_with_ends(self.fine_motion, self.copy_stock, ends)
 
     @cached_property
@@ -240,6 +248,11 @@ class MadeLinkage(DrivenLinkage):
         """Screws, rods, tubes, glue and attachments."""
         attached = [(item.body, item.bill(self.stock.thickness)) for item in self.stock.attachments]
         return gathered([*joint_bills(self.stacks, self.shared, self.stock.thickness), *len(self.stacks) * attached])
+
+    @property
+    def snap_checks(self) -> tuple[Check, ...]:
+        """Checks of printed pins."""
+        return snap_checks(self.stack.snap_pins)
 
     @property
     def shaft_items(self) -> tuple[Bought, ...]:

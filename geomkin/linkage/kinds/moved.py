@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import field
 from functools import cached_property
 from types import MappingProxyType
@@ -114,6 +114,7 @@ class AbstractMovedRecipe(AbstractRecipe):
     stroke: Stroke | None = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         check_sizes(self)
         self.check_stroke()
         self.input_range.check_rows()
@@ -268,26 +269,34 @@ class BodyList(AbstractLinkage):
     @cached_property
     def linkage(self) -> Linkage:
         """The general linkage."""
-        bodies = {name: dict(points) for name, points in self.bodies.items()}
-        for k, corner in enumerate(self.corners):
-            check_names(f"corners[{k}].body", [corner.body], "a body")
-            check_names(f"corners[{k}].point", [corner.point], "a point")
-            check_names(f"corners[{k}].base", corner.base, "a point")
-            bodies.setdefault(corner.body, {})
-            missing = [p for p in corner.base if p not in bodies[corner.body]]
-            if missing:
-                raise DesignError(
-                    f"corners[{k}]",
-                    f"{corner.body} has no point {missing[0]}",
-                    f"give it under bodies.{corner.body}",
-                    "unknown-key",
-                )
-            bodies[corner.body][corner.point] = _corner(k, corner, *(bodies[corner.body][p] for p in corner.base))
+        bodies = with_corners(self.bodies, self.corners)
         sliders = tuple(
             Slider(s.name, s.body, s.along, s.point, s.through, s.direction_deg, s.angle_deg) for s in self.sliders
         )
         place = self.origin, self.ground_angle_deg
         return Linkage(bodies, self.driver, sliders, *place, self.estimate, self.slots, self.meshes)
+
+
+def with_corners(
+    bodies: Mapping[str, Mapping[str, complex]], corners: Iterable[TriangleCorner]
+) -> dict[str, dict[str, complex]]:
+    """The points of bodies with those that are given by two distances."""
+    whole = {name: dict(points) for name, points in bodies.items()}
+    for k, corner in enumerate(corners):
+        check_names(f"corners[{k}].body", [corner.body], "a body")
+        check_names(f"corners[{k}].point", [corner.point], "a point")
+        check_names(f"corners[{k}].base", corner.base, "a point")
+        whole.setdefault(corner.body, {})
+        missing = [p for p in corner.base if p not in whole[corner.body]]
+        if missing:
+            raise DesignError(
+                f"corners[{k}]",
+                f"{corner.body} has no point {missing[0]}",
+                f"give it under bodies.{corner.body}",
+                "unknown-key",
+            )
+        whole[corner.body][corner.point] = _corner(k, corner, *(whole[corner.body][p] for p in corner.base))
+    return whole
 
 
 def _corner(k: int, corner: TriangleCorner, one: complex, two: complex) -> complex:

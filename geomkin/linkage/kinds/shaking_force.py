@@ -71,6 +71,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.drive.check_rows()
         if self.linkage.driver != "crank":
             raise DesignError(

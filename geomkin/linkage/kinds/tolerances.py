@@ -239,19 +239,16 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
 
     def _advice(self) -> tuple[str, tuple[Suggestion, ...]]:
         loosest = self.loosest("worst_case")
+        # By default the clearance is that of the stock, or of its fit.
+        has_fit = self.given.clearance is None and self.mechanism.stock.pin_fit
+        closer = "a closer stock.pin_fit" if has_fit else "a smaller clearance"
         if not loosest:
-            return f"the clearance alone exceeds it: give {self._closer}, or other lengths", ()
+            return f"the clearance alone exceeds it: give {closer}, or other lengths", ()
         tolerance = rounded_down(loosest * (1 - ROUNDING), 3)
         keys = ["tolerances.tolerance"] * bool(self.given.tolerance)
         keys += [f"tolerances.lengths.{name}" for name, value in self.given.lengths.items() if value]
-        advice = f"cut all lengths to at most {mm(float(tolerance)):down}, or give {self._closer}"
+        advice = f"cut all lengths to at most {mm(float(tolerance)):down}, or give {closer}"
         return advice, (Suggestion(dict.fromkeys(keys, float(tolerance)), "mm"),)
-
-    @property
-    def _closer(self) -> str:
-        """What makes the clearance smaller: by default it is that of the stock, or of its fit."""
-        has_fit = self.given.clearance is None and self.mechanism.stock.pin_fit
-        return "a closer stock.pin_fit" if has_fit else "a smaller clearance"
 
     @cached_property
     def enlarged(self) -> float:
@@ -297,31 +294,26 @@ class TolerancesAspect(AbstractLinkageAspect[TolerancesTable]):
         errors: tuple[Literal["normal", "uniform"], ...] = ("normal", "uniform")
         return {name: to_digits(100 * self.analysis.share_within_root_sum_square(name), 3) for name in errors}
 
-    @property
-    def remark(self) -> str:
-        """The largest deviation, and what the root sum square assumes."""
-        worst, _ = self.largest
-        if not np.isfinite(worst):
-            return f"The deviation of {self.given.of} is not known at any position."
-        clearance = max(self.analysis.clearances.values(), default=0.0)
-        band = f" The band about its path is enlarged {self.enlarged:g} times." if self.enlarged else ""
-        normal, uniform = (f"{self.within[errors]:g} %" for errors in ("normal", "uniform"))
-        return (
-            f"If lengths are cut to {mm(self.given.tolerance):g} and holes are {mm(clearance):g} wider than their "
-            "pins, "
-            f"{self.given.of} deviates by at most {mm(worst, unit=self.unit):.3g}. The root sum square is "
-            f"{mm(self.root_sum_square, unit=self.unit):.3g}: {normal} of all linkages keep within it if errors of "
-            "lengths are "
-            f"normally distributed, a tolerance being three standard deviations, and {uniform} if they are uniformly "
-            f"distributed.{band}"
-        )
-
     def on_scene(self, scene: Scene) -> Scene:
         return replace(scene, regions=self.regions())
 
     @property
     def remarks(self) -> Iterator[str]:
-        yield self.remark
+        """The largest deviation, and what the root sum square assumes."""
+        worst, _ = self.largest
+        if not np.isfinite(worst):
+            yield f"The deviation of {self.given.of} is not known at any position."
+            return
+        clearance = max(self.analysis.clearances.values(), default=0.0)
+        band = f" The band about its path is enlarged {self.enlarged:g} times." if self.enlarged else ""
+        normal, uniform = (f"{self.within[errors]:g} %" for errors in ("normal", "uniform"))
+        yield (
+            f"If lengths are cut to {mm(self.given.tolerance):g} and holes are {mm(clearance):g} wider than their "
+            f"pins, {self.given.of} deviates by at most {mm(worst, unit=self.unit):.3g}. The root sum square is "
+            f"{mm(self.root_sum_square, unit=self.unit):.3g}: {normal} of all linkages keep within it if errors "
+            "of lengths are normally distributed, a tolerance being three standard deviations, and "
+            f"{uniform} if they are uniformly distributed.{band}"
+        )
 
     @property
     def entries(self) -> Mapping[str, object]:

@@ -424,7 +424,7 @@ def passed_attachments(
             near += max([size.across / 2 if size else 0.0, *(hole.radius for hole in holes)])
             for other, layer in layers.items():
                 gap, body = (abs(layer - layers[name]) - 1) * stock.thickness, plates[other].body
-                if 0 <= gap < max(item.projections(stock.thickness)) and body != plate.body:
+                if 0 <= gap < max(item.projections(stock.thickness)) and other != name:
                     hull = plates[other].hull(stock.bar_width)
                     pairs = [Pair(body, hull, plate.body, np.array([hole.centre]), near) for hole in holes]
                     if meeting(motion, pairs).any():

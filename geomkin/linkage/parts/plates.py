@@ -178,7 +178,8 @@ class LinkPlate:
 
     openings: by pin or point, one point, mm, for a hole, two for a slot's ends. seat: a motor's holes in it. rim:
     points of a counterweight that the outline encloses, complex mm. attached: what is screwed to it, with its middle.
-    attached_rim: points that the outline encloses round the holes of these. wheel: the gear that it is.
+    attached_rim: points that the outline encloses round the holes of these. disc: that it is, if it is of a flywheel.
+    wheel: the gear that it is.
     """
 
     body: str
@@ -187,6 +188,7 @@ class LinkPlate:
     rim: Complex = field(default_factory=lambda: np.zeros(0, dtype=complex))
     attached: tuple[tuple[LinkAttachment, complex], ...] = ()
     attached_rim: Complex = field(default_factory=lambda: np.zeros(0, dtype=complex))
+    disc: Circle | None = None
     wheel: MeshGear | None = None
 
     @property
@@ -199,12 +201,22 @@ class LinkPlate:
     def section_points(self) -> Complex:
         """Points between which the plate is loaded, complex mm: the same, with the middle of a counterweight."""
         holes = self.centres[: len(self.centres) - len(self.rim)]
-        return np.unique(np.append(holes, self.rim.mean()) if self.rim.size else holes)
+        return np.unique(np.append(holes, self.rim.mean()) if self.rim.size and not self.disc else holes)
 
     def hull(self, width: float) -> Complex:
         """Convex hull, counterclockwise, from which the plate extends by half the width of a bar, mm."""
         centres = self.centres if self.wheel is None else self.wheel.corners(width / 2)
         return np.array(convex_hull(centres))
+
+    def outline(self, half: float) -> AbstractCurve:
+        """The outline: of a gear or disc, or at half of a bar's width, mm, round all centres."""
+        if self.wheel:
+            return self.wheel.outline
+        holes = [place for places in self.openings.values() for place in places]
+        disc = self.disc
+        if disc and all(abs(place - disc.centre) + half <= disc.radius for place in holes):
+            return disc
+        return rounded_hull(self.centres, half)
 
     @property
     def taken(self) -> list[list[complex]]:
@@ -276,11 +288,10 @@ class LinkPlate:
         holes += attached_holes(self.attached, stock.clearance)
         fits += (fit for item, middle in self.attached for _, fit in item.openings(middle, stock.clearance))
         hole_letters += [""] * (len(holes) - len(hole_letters))
-        outline = self.wheel.outline if self.wheel else rounded_hull(self.centres, stock.bar_width / 2)
         hole_names = tuple(hole_letters) if any(hole_letters) else ()
         return Part(
             name,
-            outline,
+            self.outline(stock.bar_width / 2),
             tuple(holes),
             stock.thickness,
             marks=self.seat.marks if self.seat else (),
@@ -315,11 +326,15 @@ class Pin:
 
 @record(eq=False)
 class LinkAssembly:
-    """Plates by name, in the order of the linkage's bodies, the pins that join them, and gears that share a layer."""
+    """Plates by name, in the order of the linkage's bodies, and the pins that join them.
+
+    gears: trains that share a layer. pack: plates that lie on one another, without others between them.
+    """
 
     plates: Mapping[str, LinkPlate]
     pins: tuple[Pin, ...]
     gears: tuple[tuple[str, ...], ...] = ()
+    pack: tuple[str, ...] = ()
 
 
 def assemble(motion: Motion, stock: LinkStock) -> LinkAssembly:

@@ -20,6 +20,7 @@ from ...making.bores import fits_of
 from ...making.fasteners import Fastener, gathered
 from ...making.materials import STEEL_DENSITY
 from ...making.motors import fixed_under
+from ...making.snap_pins import PinPlace, SnapPin, alike, pin_parts
 from ...model.material import Mass
 from ...model.part import Bought, Part
 from ...model.scene import layer_name
@@ -35,6 +36,13 @@ from .stock import LinkStock
 DIRECTIONS = 36
 # Name of the plates between a motor and the ground.
 MOTOR_PLATE = "motor_plate"
+# How joints are closed, and how their pins come from above, by the form of the fastener.
+CLOSED = {"screw": "close {}", "rod": "close {}", "snap": "press {} in from below until the barbs snap out above"}
+FROM_ABOVE = {
+    "screw": "put {} through from above, nuts below",
+    "rod": "",
+    "snap": "press {} in from above until the barbs snap out below",
+}
 # Joints that the bridge carries.
 Carried = tuple[str, ...]
 
@@ -193,6 +201,13 @@ class Stack:
         return pin.motor or self.fastener.bill(pin.length)
 
     @property
+    def snap_pins(self) -> list[PinPlace]:
+        """The printed pins, if they join the plates."""
+        pin = self.fastener
+        pins = [span for span in self.pins if not span.motor] if isinstance(pin, SnapPin) else []
+        return [PinPlace(self.letters[span.name], pin, span.length) for span in pins]  # type: ignore[arg-type]
+
+    @property
     def steps(self) -> tuple[str, ...]:
         """Assembly steps from the bottom up, one line for each layer."""
         return sentences((*self.steps_with({}), *self.closing))
@@ -200,7 +215,7 @@ class Stack:
     @property
     def closing(self) -> tuple[str, ...]:
         """How joints are closed; nothing for rods."""
-        if self.fastener.form == "rod":
+        if self.fastener.form != "screw":
             return ()
         fixing = [
             self.letters[pin.name]
@@ -218,7 +233,9 @@ class Stack:
         rods : mapping
             By the pin's name, the layer in which its rod is put in, and the step.
         """
-        letters = self.letters
+        letters, form = self.letters, self.fastener.form
+        printed = {place.letter: name for name, group in alike(self.snap_pins).items() for place in group}
+        names = {pin: f"{printed[at]} at {at}" if at in printed else at for pin, at in letters.items()}
         motors = [pin for pin in self.pins if pin.motor]
         pins = [pin for pin in self.pins if not pin.motor and pin.name not in rods]
         from_above = [pin for pin in pins if pin.first == 0 and self.fastener.length(pin.length)]
@@ -227,7 +244,7 @@ class Stack:
             steps = [
                 (
                     "put {} through from below",
-                    [letters[pin.name] for pin in pins if pin.first == layer and pin not in from_above],
+                    [names[pin.name] for pin in pins if pin.first == layer and pin not in from_above],
                 ),
                 ("lay {}", plates),
                 (
@@ -243,12 +260,9 @@ class Stack:
                     "nothing on {}, which a plate here passes",
                     [letters[pin.name] for pin in pins if layer in self._uncovered_layers(pin)],
                 ),
-                ("close {}", [letters[pin.name] for pin in pins if pin.last == layer and pin not in from_above]),
-                # Screws whose nuts are below the ground, since only heads have room above.
-                (
-                    "put {} through from above, nuts below",
-                    [letters[pin.name] for pin in from_above if pin.last == layer],
-                ),
+                (CLOSED[form], [names[pin.name] for pin in pins if pin.last == layer and pin not in from_above]),
+                # Nuts and barbs are below the ground, since only heads have room above.
+                (FROM_ABOVE[form], [names[pin.name] for pin in from_above if pin.last == layer]),
                 ("fix {}", [self._on_motor(pin) for pin in motors if pin.last == layer]),
                 ("{}", [step for at, step in rods.values() if at == layer]),
             ]
@@ -256,14 +270,14 @@ class Stack:
 
     def _on_motor(self, pin: PinSpan) -> str:
         """How the crank is fixed on a motor's shaft, the only support if layers below it are empty."""
-        low, crank = (next(name for name in pin.holes if self.layers[name] == layer) for layer in (pin.first, pin.last))
-        crossed = pin.last - pin.first - 1
-        height = f", {mm(crossed * pin.length / (crossed + 2)):.6g} above {low}" if crossed else ""
-        seat = self.plates[crank].seat
+        low, *turning = sorted(pin.holes, key=self.layers.__getitem__)
+        crossed, sheets = self.layers[turning[0]] - pin.first - 1, pin.last - pin.first + 1
+        height = f", {mm(crossed * pin.length / sheets):.6g} above {low}" if crossed else ""
+        seat = self.plates[turning[0]].seat
         fit = seat.fits[0] if seat else None
         fixed = ", flat on flat" if fit and fit.flat else ""
         fixed += "" if fit and (fit.is_press or fit.play < 0) else ", and glue it"
-        return f"{crank} on the motor's shaft {self.letters[pin.name]}{fixed}{height}"
+        return f"{', '.join(turning)} on the motor's shaft {self.letters[pin.name]}{fixed}{height}"
 
     def _uncovered_layers(self, pin: PinSpan) -> set[int]:
         """Layers that a pin crosses without a plate or spacer."""
@@ -335,6 +349,9 @@ def stack_assembly(motion: Motion, stock: LinkStock, assembly: LinkAssembly) -> 
             f"give at most {LARGEST}, or make it in pieces",
             "too-much-work",
         )
+    if stock.fastener_used.form == "snap" and (slotted := next((pin for pin in assembly.pins if pin.slots), None)):
+        problem = f"found snap, but pin {slotted.name} runs in a slot, in which flat pins turn and slip out"
+        raise DesignError("printing.pins", problem, 'give "bought"', "conflict")
     # If openings overlap whatever the bridge carries, `link_parts` reports which.
     options = bridge_options(meetings.assembly, meetings.ground)
     fitting: list[Carried] = [carried for carried in options if _fits(meetings, carried)] or [()]
@@ -363,7 +380,8 @@ def fastener_masses(motion: Motion, stock: LinkStock, stack: Stack) -> dict[str,
             # A pin that slides in all its plates is a body of its own.
             body = motion.linkage.pins[pin.name][0]
             place = complex(motion.linkage.bodies[body][pin.name])
-        steel = 0.0 if pin.motor else STEEL_DENSITY * stack.fastener.volume(pin.length)
+        density = getattr(stack.fastener, "density", STEEL_DENSITY)
+        steel = 0.0 if pin.motor else density * stack.fastener.volume(pin.length)
         mass = Mass(1e-9 * (steel + spacer * len(pin.spacers)), place)
         bodies[body] = bodies[body] + mass if body in bodies else mass
     return bodies
@@ -409,6 +427,8 @@ def link_parts(motion: Motion, stock: LinkStock = LinkStock(), stack: Stack | No
         )
     if stack and stack.motor_plates:
         parts.append(motor_packing(stack, stock))
+    pins = pin_parts(stack.snap_pins) if stack else ()
+    parts += (replace(pin, name=unused(pin.name, plates), material=stock.material) for pin in pins)
     return tuple(parts)
 
 
@@ -453,6 +473,8 @@ def _order(meetings: Meetings, carried: Carried, clean: bool = True) -> Order | 
         )
         for pin in pins
     ]
+    if pack := _bits(layered[name] for name in meetings.assembly.pack):
+        passing.append(Passing(pack, bottom=False, top=False, hits=_bits(layered.values()) & ~pack))
     return order(meets, passing, clean)
 
 

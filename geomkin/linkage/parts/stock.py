@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cached_property
 from math import ceil
 from typing import Literal
@@ -17,6 +17,7 @@ from ...making.bores import clearance as wider
 from ...making.fasteners import Fastener, ThreadDiameter, fastener_of
 from ...making.materials import MaterialKey, material_entry
 from ...making.motors import MountedMotorKey, face_of, mounted_motor_entry
+from ...making.snap_pins import SnapPin
 from ...model.limits import Fit, IsoFit, fit_limits
 
 # Largest number of plates between a motor and the ground. More would use up the length of most shafts.
@@ -138,6 +139,14 @@ class LinkStock:
         missing = ceil(face_of(self.motor).boss_height / self.thickness) - 1
         return missing if 0 < missing <= MOST_MOTOR_PLATES else 0
 
+    @property
+    def snapped(self) -> LinkStock:
+        """The same stock with printed pins. DesignError if screws or rods are wanted."""
+        if self.fastener is not None:
+            problem = f"found snap, and stock.fastener = {self.fastener}"
+            raise DesignError("printing.pins", problem, "give one of them", "conflict")
+        return SnapLinkStock(**{field.name: getattr(self, field.name) for field in fields(self)})
+
     def _check_motor(self) -> None:
         if (shaft := self.shaft) is None or self.motor is None:
             if self.fit == "press":
@@ -150,3 +159,13 @@ class LinkStock:
                 f"found {mm(self.bar_width):g}, but the hole for the motor's shaft is {mm(widest):g} wide",
                 "give wider bars, or omit motor",
             )
+
+
+@record(checked=True)
+class SnapLinkStock(LinkStock):
+    """The sheet of links that printed pins join."""
+
+    @cached_property
+    def fastener_used(self) -> Fastener:
+        density = self.material.density if self.material and self.material.density else 0.0
+        return SnapPin(self.pin_diameter, "snap", self.play, clearance=self.clearance, density=density)

@@ -259,8 +259,11 @@ def linkage_strength_checks(
     def pressures(analysis: ForceAnalysis) -> Iterator[tuple[str, Real]]:
         return pin_pressures(analysis, stack, stock)
 
-    checks = [_check("pin_shear", "shear stress of pin", shears, MOST_PIN_SHEAR, analysis, "give thicker pins")]
-    if material and material.bearing_pressure:
+    # The limits are those of round steel pins.
+    has_steel_pins, checks = fastener.form != "snap", []
+    if has_steel_pins:
+        checks.append(_check("pin_shear", "shear stress of pin", shears, MOST_PIN_SHEAR, analysis, "give thicker pins"))
+    if has_steel_pins and material and material.bearing_pressure:
         advice = "give thicker pins, a thicker sheet or another material"
         most = material.bearing_pressure
         checks.append(_check("pin_pressure", "pressure of pin", pressures, most, analysis, advice))

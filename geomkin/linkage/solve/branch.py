@@ -33,6 +33,10 @@ class Continuation:
     ------
     DesignError
         If `start` is none of these.
+
+    See Also
+    --------
+    move, driver_limits
     """
 
     start: Start = 1

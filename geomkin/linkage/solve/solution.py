@@ -31,7 +31,10 @@ def extent_of(linkage: Linkage) -> float:
     bodies = sum(
         max((float(np.abs(z).max()) for z in points.values()), default=0.0) for points in linkage.bodies.values()
     )
-    return 2 * (bodies + sum(_far(slide.point) + _far(slide.through) for slide in linkage.slides))
+    return 2 * (
+        bodies
+        + sum(_distance_from_origin(slide.point) + _distance_from_origin(slide.through) for slide in linkage.slides)
+    )
 
 
 def repeated(values: Array, shape: tuple[int, ...]) -> Array:
@@ -41,7 +44,7 @@ def repeated(values: Array, shape: tuple[int, ...]) -> Array:
     return np.ndarray(shape, values.dtype, values.tobytes(), 0, (0,) * len(shape))
 
 
-def _far(place: complex | Array) -> float:
+def _distance_from_origin(place: complex | Array) -> float:
     """Distance from the origin, mm; the largest of an array."""
     return float(np.abs(place).max()) if isinstance(place, np.ndarray) else abs(place)
 

@@ -29,23 +29,25 @@ function loader(root) {
   };
 }
 
-// Shows the gallery. A click on a card calls `editor.open(recipe)` or `editor.startNew(kind)`.
-export async function showGallery(editor) {
+// Shows the gallery. A click on a card calls `editor.open(recipe)` or `editor.startNew(kind)`; if it is to be joined to the
+// shown one, `editor.joinTo({ recipe })` or `editor.joinTo({ kind })`.
+export async function showGallery(editor, isJoined = false) {
   const dialog = at("gallery-dialog"), { kinds, recipes } = await get("gallery"), load = loader(dialog);
   const card = (list, picture, name, about, words, act) => {
     const button = make(make(list, "li"), "button", { type: "button", class: "card" });
-    load(make(button, "img", { alt: "", "data-address": picture }));
+    if (picture) load(make(button, "img", { alt: "", "data-address": picture }));
     make(button, "b", {}, name);
     if (about) make(button, "span", {}, about);
     button.dataset.words = `${name} ${words} ${about}`.toLowerCase();
-    button.addEventListener("click", () => { dialog.close(); act().catch((error) => editor.announce(error.message)); });
+    button.addEventListener("click", () => { dialog.close(); Promise.resolve(act()).catch((error) => editor.announce(error.message)); });
   };
-  at("folder").replaceChildren();
-  at("kinds").replaceChildren();
+  for (const id of ["by-hand", "folder", "kinds"]) at(id).replaceChildren();
+  at("gallery-title").textContent = isJoined ? "Join a mechanism to a shaft" : "Open a recipe";
+  if (!isJoined) card(at("by-hand"), "", "empty linkage", "built by clicks: pivots, bars, plates, dyads, slides", "build draw empty new linkage", () => editor.startEmpty());
   const search = at("search");
   search.value = "";
   search.oninput = () => narrow(dialog, search.value);
-  const drafts = draftsOf(editor.folder);
+  const drafts = isJoined ? [] : draftsOf(editor.folder);
   at("drafts-title").hidden = !drafts.length;
   at("drafts").replaceChildren();
   for (const draft of drafts) {
@@ -61,12 +63,12 @@ export async function showGallery(editor) {
     act("Discard", () => { forget(draft.id); item.remove(); });
   }
   at("folder-title").hidden = !recipes.length;
-  for (const { name, kind, title } of recipes) card(at("folder"), `picture?recipe=${encodeURIComponent(name)}`, name, title, kind, () => editor.open(name));
+  for (const { name, kind, title } of recipes) card(at("folder"), `picture?recipe=${encodeURIComponent(name)}`, name, title, kind, () => (isJoined ? editor.joinTo({ recipe: name }) : editor.open(name)));
   for (const group of new Set(kinds.map((kind) => kind.group))) {
     make(at("kinds"), "h4", {}, group);
     const list = make(at("kinds"), "ul", { class: "cards" });
     for (const { kind, about } of kinds.filter((other) => other.group === group)) {
-      card(list, `picture?kind=${encodeURIComponent(kind)}`, kind, about, group, () => editor.startNew(kind));
+      card(list, `picture?kind=${encodeURIComponent(kind)}`, kind, about, group, () => (isJoined ? editor.joinTo({ kind }) : editor.startNew(kind)));
     }
   }
   narrow(dialog, "");

@@ -4,17 +4,21 @@ import { mount } from "../player/player.js";
 import { read } from "../player/plots.js";
 import { mountRows, showRows } from "../player/rows.js";
 import { chooseName, draftsOf, forget, keep, linkOf, python, recipeIn, showGallery } from "./dialogs.js";
+import { Dimensions } from "./dimensions.js";
 import { Form } from "./form.js";
 import { Ghost } from "./ghost.js";
 import { Handles } from "./handles.js";
 import { History } from "./history.js";
 import { Preview } from "./preview.js";
 import { finished, get, post } from "./server.js";
+import { Tools } from "./tools.js";
 
 // Time without input after which checks are requested, ms.
 const PAUSE = 150;
 // Time for which the pointer rests before a search starts, ms.
 const REST = 200;
+// Free room around a linkage that is built, as a share of its size.
+const ROOM = 0.3;
 // Largest time between presses of arrow keys on one handle that form one step of undo, ms.
 const ONE_STEP = 1000;
 const at = (id) => document.getElementById(id);
@@ -27,14 +31,16 @@ class Editor {
     Object.assign(this, { kind: "", values: {}, busy: false, queued: null, typing: "", target: null, problems: [], checked: [] });
     this.history = new History((undo, redo) => { at("undo").disabled = !undo; at("redo").disabled = !redo; });
     this.form = new Form(at("form"), this);
+    this.tools = new Tools(at("tools"), this);
     const acts = {
-      gallery: () => showGallery(this), new: () => showGallery(this), save: () => this.save(), "save-as": () => this.saveAs(),
+      gallery: () => showGallery(this), new: () => showGallery(this), join: () => showGallery(this, true), save: () => this.save(), "save-as": () => this.saveAs(),
       undo: () => this.travel("undo"), redo: () => this.travel("redo"), make: () => this.make(), stop: () => this.stop(),
       "share-link": () => this.copy(linkOf(this.text), "The link is copied; it holds the whole recipe"),
       "share-zip": () => this.zip(), "share-python": () => this.copy(python(this.text), "The recipe as Python is copied"),
     };
     for (const [id, act] of Object.entries(acts)) at(id).addEventListener("click", act);
     for (const button of document.querySelectorAll("[data-panel]")) button.addEventListener("click", () => this.fold(button.dataset.panel));
+    at("build").addEventListener("click", () => this.showTools(at("tools").hidden));
     at("badge").addEventListener("click", () => {
       this.fold("form", false);
       at("quantities-part").open = true;
@@ -72,6 +78,18 @@ class Editor {
     this.player?.fit(true);
   }
 
+  // Shows the tools that build a linkage, with room around it, or hides them.
+  showTools(isShown) {
+    at("tools").hidden = !isShown;
+    at("build").setAttribute("aria-pressed", isShown);
+    document.body.classList.toggle("building", isShown);
+    if (!isShown) this.tools.choose("move");
+    if (!this.player) return;
+    const [drawing] = this.player.drawings, [left, low, right, high] = drawing.bounds, free = ROOM * Math.max(right - left, high - low);
+    drawing.room = isShown ? [left - free, low - free, right + free, high + free] : null;
+    this.fold("plots", isShown);
+  }
+
   // --- changes of the recipe's text ---------------------------------------------------------------------------------
 
   async open(recipe) {
@@ -102,6 +120,18 @@ class Editor {
     if (started) this.load(started.text, "", "");
   }
 
+  // Starts a linkage without links, with the tools that build it.
+  async startEmpty() {
+    await this.startNew("");
+    this.whenIdle(() => {
+      this.showTools(true);
+      // The sheet has room enough.
+      this.player.drawings[0].room = this.player.drawings[0].bounds;
+      this.player.fit(true);
+      this.tools.choose("pivot");
+    });
+  }
+
   // The answer to a request for another text; null if another one was requested since.
   async latest(answer) {
     const turn = this.opening = (this.opening ?? 0) + 1, reply = await answer;
@@ -126,7 +156,7 @@ class Editor {
     // A template is not worth keeping before it is changed.
     Object.assign(this, { draft: `${Date.now()}`, firstText: text, drawnText: null });
     this.locks.clear();
-    for (const id of ["conflict", "candidates"]) at(id).hidden = true;
+    for (const id of ["conflict", "candidates", "known"]) at(id).hidden = true;
     this.askAnew();
   }
 
@@ -150,6 +180,61 @@ class Editor {
     this.history.begin(this.text);
     this.ask({ add: key });
     this.whenIdle(() => { this.history.end(this.text); document.querySelector(`#form details[data-key^="${CSS.escape(key)}"]`)?.scrollIntoView({ block: "nearest" }); });
+  }
+
+  // Makes an edit of the linkage that is built, one after the other.
+  build(edit) {
+    this.close();
+    if (this.busy) { this.whenIdle(() => this.build(edit)); return; }
+    this.history.begin(this.text);
+    this.ask({ build: { frame: this.player.frame, step: this.handles.onDrawing.pixel, ...edit } });
+    this.whenIdle(() => {
+      this.history.end(this.text);
+      if (!this.player.drawings[0].isInside) this.player.fit(true);
+    });
+  }
+
+  // Sets the length of a dimension of the drawing.
+  setLength(dimension, length) {
+    this.close();
+    this.history.begin(this.text);
+    this.ask({ length: { ...dimension, length } });
+    this.whenIdle(() => this.history.end(this.text));
+  }
+
+  // Known linkages whose curves are similar to a stroke.
+  async known(points) { return (await post("nearest", { points })).known; }
+
+  // Follows a stroke: first by known linkages, of which a click takes one, then by a search.
+  async drawPath(points) {
+    this.close();
+    const turn = this.strokes = (this.strokes ?? 0) + 1;
+    this.announce("Looking for known linkages");
+    try {
+      const known = await this.known(points);
+      if (turn !== this.strokes) return;
+      this.showKnown(known);
+    } catch (error) { this.fail(error); return; }
+    this.replaceBy({ draw: { points } });
+    this.whenIdle(() => this.announce(""));
+  }
+
+  // Puts a mechanism of the gallery, source, on the shaft that is clicked.
+  joinTo(source) {
+    this.tools.pick(this.reply.shafts, (body, phase) => this.replaceBy({ join: { ...source, turned_by: body, phase_deg: phase } }));
+  }
+
+  // Makes a change that may lead to another kind of recipe.
+  replaceBy(change, text) {
+    this.history.begin(this.text);
+    this.ask(change, text);
+    this.whenIdle(() => { this.history.end(this.text); this.player.fit(true); });
+  }
+
+  showKnown(known) {
+    at("known").hidden = !known.length;
+    this.showPictures(at("known"), known.map((linkage) => ({ ...linkage, name: linkage.label, act: () => this.replaceBy({}, linkage.text) })));
+    if (known.length) this.announce(`${known.length} known linkages are similar; the search begins`);
   }
 
   close() {
@@ -266,6 +351,7 @@ class Editor {
       // A search that takes long is a job, which the next change stops.
       if (reply.job) reply = await this.search(reply.job);
       if (reply && texts === this.texts) await this.show(reply, change.set ?? {});
+      else if (!reply && !this.queued) this.announce("The search was stopped, and the recipe is as before");
     } catch (error) { if (texts === this.texts) this.fail(error); }
     this.busy = false;
     if (this.queued) { this.pump(); return; }
@@ -321,7 +407,7 @@ class Editor {
     this.showProblems(reply.problems);
     this.showQuantities(reply.quantities);
     at("limit").hidden = !reply.limit;
-    at("limit").textContent = reply.limit ? `${reply.limit.reason} (${reply.limit.keys.join(", ")})` : "";
+    at("limit").textContent = reply.limit ? `${reply.limit.reason}${reply.limit.keys.length ? ` (${reply.limit.keys.join(", ")})` : ""}` : "";
     this.showState();
   }
 
@@ -334,7 +420,12 @@ class Editor {
     Object.assign(this, { kind, tables });
   }
 
-  showScene({ scene, handles, preview }) {
+  showScene(reply) {
+    const { scene, handles, preview, structure, unfinished } = reply, wasUnfinished = document.body.classList.contains("unfinished");
+    document.body.classList.toggle("unfinished", unfinished !== "");
+    const canBuild = structure || reply.kind === "path-generator";
+    at("build").hidden = !canBuild;
+    if (reply.shafts.length || !this.handles?.held) at("join").hidden = !reply.shafts.length;
     const copy = this.text === this.savedText || this.isJustLoaded ? structuredClone(scene) : null;
     if (!this.player) {
       this.player = mount(at("player"), scene);
@@ -342,6 +433,8 @@ class Editor {
       this.handles = new Handles(this.player, this);
       this.ghost = new Ghost(this.player.drawings[0]);
       this.preview = new Preview(this.player, this.handles);
+      this.tools.mount();
+      this.dimensions = new Dimensions(this.player.drawings[0], this);
     } else {
       this.player.replace(scene);
       if (this.isJustLoaded) { this.player.fit(true); this.player.zoom(0); }
@@ -357,6 +450,9 @@ class Editor {
     this.isJustLoaded = false;
     this.ghost.load(this.isDirty ? this.savedScene : null);
     this.showChoice(scene.choice);
+    this.tools.load(reply);
+    if (!canBuild && !at("tools").hidden) this.showTools(false);
+    if (wasUnfinished && structure && !unfinished && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.player.play(true);
   }
 
   // Shows the gap of a mechanism that cannot be assembled. Its values are those of the last scene and what was set since.
@@ -423,7 +519,13 @@ class Editor {
     make(row, "th", { scope: "row" }, label);
     make(row, "td", id ? {} : { colspan: 2 }, value);
     if (id) make(row, "td", {}, check?.state ?? "");
-    if (check && check.state !== "pass") make(make(at("quantities"), "tr"), "td", { colspan: 3, class: "advice" }, check.text);
+    if (!check || check.state === "pass") return;
+    const advice = make(make(at("quantities"), "tr"), "td", { colspan: 3, class: "advice" }, check.text);
+    const about = Object.entries(check.about);
+    if (!about.length) return;
+    const opened = make(advice, "details", {});
+    make(opened, "summary", {}, "What it means");
+    for (const [word, text] of about) make(opened, "p", {}, `${word}: ${text}`);
   }
 
   showChecks({ checks, candidates, problems }) {
@@ -443,18 +545,25 @@ class Editor {
 
   // Shows the linkages that a synthesis found as small pictures. A click on a picture chooses the linkage.
   showCandidates(candidates) {
-    const [root] = at("candidates").getElementsByClassName("pictures"), focus = root.contains(document.activeElement);
     at("candidates").hidden = candidates.length < 2;
+    this.showPictures(at("candidates"), candidates.map(({ key, value, ...other }) => ({
+      ...other, name: other.label, isChosen: this.values[key] === value, act: () => { this.set({ [key]: value }, key); this.close(); },
+    })));
+  }
+
+  // Fills a list of small pictures: their strokes `lines`, `name` below and longer `label`; a click calls `act`.
+  showPictures(section, pictures) {
+    const [root] = section.getElementsByClassName("pictures"), focus = root.contains(document.activeElement);
     root.replaceChildren();
-    for (const { key, value, label, lines } of candidates) {
-      const chosen = this.values[key] === value, xs = lines.flatMap(([row]) => row), ys = lines.flatMap(([, row]) => row);
-      const button = make(root, "button", { type: "button", title: label, "aria-label": label, "aria-pressed": chosen });
+    for (const { label, name, lines, isChosen = false, act } of pictures) {
+      const xs = lines.flatMap(([row]) => row), ys = lines.flatMap(([, row]) => row);
+      const button = make(root, "button", { type: "button", title: label, "aria-label": label, "aria-pressed": isChosen });
       const [left, low] = [Math.min(...xs), Math.min(...ys)], size = Math.max(Math.max(...xs) - left, Math.max(...ys) - low) || 1;
       const svg = make(button, "svg", { viewBox: [-0.06, -0.06, 1.12, 1.12].join(" "), "aria-hidden": true });
       for (const [x, y] of lines) make(svg, "path", { d: `M${x.map((u, k) => `${(u - left) / size} ${1 - (y[k] - low) / size}`).join("L")}` });
-      make(button, "span", {}, value);
-      button.addEventListener("click", () => { this.set({ [key]: value }, key); this.close(); });
-      if (focus && chosen) button.focus();
+      make(button, "span", {}, name);
+      button.addEventListener("click", act);
+      if (focus && isChosen) button.focus();
     }
   }
 
@@ -604,6 +713,7 @@ class Editor {
 
   key(event) {
     if (event.key === "Escape" && this.handles?.held) { this.handles.cancel(); return; }
+    if (event.key === "Escape" && !document.querySelector("dialog[open]") && this.tools.cancel()) return;
     if (!(event.ctrlKey || event.metaKey) || event.altKey || document.querySelector("dialog[open]")) return;
     const act = { s: () => this.save(), z: () => this.travel(event.shiftKey ? "redo" : "undo"), y: () => this.travel("redo") }[event.key.toLowerCase()];
     if (!act) return;

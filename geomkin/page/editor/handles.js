@@ -64,7 +64,16 @@ export class Handles {
       const r = handle.shape === "circle" ? handle.radius / surface.pixel : 0;
       for (const rim of element.rims) rim.setAttribute("r", px(r));
       this.drawArrow(element);
+      this.drawLeash(element, frame, [x, y]);
     }
+  }
+
+  // Draws the line from a handle to what it moves, or removes it.
+  drawLeash(element, frame, [x, y]) {
+    const { root, handle, surface } = element, [u, v] = handle.anchor && !element.pointer ? surface.screen(...placeOf({ at: handle.anchor }, frame)) : [NaN, NaN];
+    if (!isFinite(u + v)) { element.leash?.remove(); element.leash = null; return; }
+    if (!element.leash) { element.leash = make(root, "path", { class: "leash" }); root.prepend(element.leash); }
+    element.leash.setAttribute("d", `M0 0L${px(u - x)} ${px(v - y)}`);
   }
 
   // Draws the arrow that ends at a handle, or removes it.

@@ -44,6 +44,7 @@ export class Drawing {
     for (const body of [...this.bodies].sort((a, b) => a.layer - b.layer)) this.drawBody(body);
     this.hasGround = this.bodies.some((body) => body.fixed && body.cut.length);
     this.marks = scene.marks.map((mark) => this.drawMark({ label: "", role: "construction", ...mark, ...this.rows(mark) }));
+    this.dimensions = 0;
     for (const curve of scene.curves) this.drawCurve(curve);
     this.bounds = this.extent();
     // Trails are in ten-thousandths of the drawing, so that few decimals suffice for any size.
@@ -103,7 +104,7 @@ export class Drawing {
 
   // A length on a body, or on the ground, is a mark from one of its ends to the other.
   drawDimension({ label, role }, body, ends) {
-    const mark = { sort: "dimension", role, label };
+    const mark = { sort: "dimension", role, label, number: this.dimensions++ };
     for (const name of ["x", "y", "u", "v"]) mark[name] = new Float64Array(this.frames);
     for (let k = 0; k < this.frames; k++) {
       const [[x, y], [u, v]] = ends.map((end) => (body ? this.place(body, ...end, k) : end));
@@ -263,7 +264,7 @@ export class Drawing {
         lines.add(label);
         const on = sort === "vector" ? [] : [0.5, 0.3, 0.7].map((share) => at(mark, share, 0));
         const off = [1, 0.7, 0.4, 0.1].flatMap((share) => [at(mark, share, 1), at(mark, share, -1)]);
-        this.named.add(text, `of-body ${role}`, role, [...on, ...off]);
+        this.named.add(text, `of-body ${role}`, role, [...on, ...off], mark.number);
       } else {
         const short = text.replace("instant centre of ", "").replace(" and ", ", ");
         this.named.add(short, role, role, [[1, -8], [1, 8], [-1, -8], [-1, 8], [0, -14], [0, 14], [1, 0], [-1, 0], [0, -28], [0, 28]]
@@ -275,9 +276,9 @@ export class Drawing {
     this.named.all.sort((a, b) => off.includes(b.role) - off.includes(a.role));
   }
 
-  // Width and height, mm, of the visible elements.
+  // Width and height, mm, of the visible elements, and of `room`, ends as those of `bounds`, if an editor needs that.
   size() {
-    const boxes = [this.bounds, ...this.far.filter((role) => !this.hidden.has(role)).map((role) => this.asides[role])];
+    const boxes = [this.bounds, ...(this.room ? [this.room] : []), ...this.far.filter((role) => !this.hidden.has(role)).map((role) => this.asides[role])];
     this.box = this.bounds.map((_, k) => (k < 2 ? min : max)(...boxes.map((box) => box[k])));
     const [left, low, right, high] = this.box;
     return [max(right - left, 1e-9), max(high - low, 1e-9)];
@@ -317,8 +318,13 @@ export class Drawing {
   // Whether the whole mechanism is in view and not tiny, or the user has zoomed in.
   get isFitting() {
     const [left, low, right, high] = this.bounds, [x, y] = this.screen(left, high), [u, v] = this.screen(right, low);
-    const inside = min(x, y, this.wide - u, this.tall - FOOT - v) > 0;
-    return this.by > 1 || (inside && max((u - x) / this.wide, (v - y) / this.tall) > SMALL);
+    return this.isInside && (this.by > 1 || max((u - x) / this.wide, (v - y) / this.tall) > SMALL);
+  }
+
+  // Whether the whole mechanism is in view, or the user has zoomed in.
+  get isInside() {
+    const [left, low, right, high] = this.bounds, [x, y] = this.screen(left, high), [u, v] = this.screen(right, low);
+    return this.by > 1 || min(x, y, this.wide - u, this.tall - FOOT - v) > 0;
   }
 
   // Zooms in `times` about a position on the stage, px.

@@ -11,9 +11,9 @@ export class Names {
   constructor(drawing) { Object.assign(this, { drawing, all: [], line: 0 }); }
 
   // spots: functions of a frame and half the text's width, px, that return possible positions of its middle, the best
-  // first. A text that the edge would cut off is moved inwards.
-  add(text, look, role, spots) {
-    const shape = make(this.drawing.names, "text", { class: `name ${look}` }, text);
+  // first. A text that the edge would cut off is moved inwards. number: of a dimension among all.
+  add(text, look, role, spots, number) {
+    const shape = make(this.drawing.names, "text", { class: `name ${look}`, ...(number === undefined ? {} : { "data-dimension": number }) }, text);
     const { width, height } = shape.getBBox(), half = EDGE + width / 2;
     this.line = max(this.line, height);
     spots = spots.map((spot) => (k) => {

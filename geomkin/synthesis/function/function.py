@@ -99,6 +99,10 @@ def function_generator(
     DesignError
         For a function with a pole or with equal values at both ends, or if no linkage keeps the limits.
 
+    See Also
+    --------
+    path_generator, body_guides, crank_rocker
+
     Notes
     -----
     Derived here: fits of Freudenstein's equation over a grid of start angles, and sizes spread over the allowed range,
@@ -116,7 +120,7 @@ def function_generator(
     task = FourBarGenerator(
         share=wanted.share,
         swing=float(np.radians(input_deg)),
-        starts=(_given(input_start_deg, DEGREE), _given(output_start_deg, DEGREE)),
+        starts=(_start_in_units(input_start_deg, DEGREE), _start_in_units(output_start_deg, DEGREE)),
         least_transmission=float(np.radians(least_transmission_angle_deg)),
         largest_ratio=float(largest_ratio),
         through=_through(wanted, method, points, (input_start_deg, output_start_deg)),
@@ -193,7 +197,7 @@ def slider_function_generator(
     task = SliderGenerator(
         share=wanted.share,
         swing=float(np.radians(input_deg)),
-        starts=(_given(input_start_deg, DEGREE), _given(output_start_mm, length)),
+        starts=(_start_in_units(input_start_deg, DEGREE), _start_in_units(output_start_mm, length)),
         least_transmission=float(np.radians(least_transmission_angle_deg)),
         largest_ratio=float(largest_ratio),
         through=_through(wanted, method, points, (input_start_deg, output_start_mm)),
@@ -215,7 +219,7 @@ def slider_function_generator(
     return _best(task, method, to_result)
 
 
-def _given(start: float | None, unit: float) -> float:
+def _start_in_units(start: float | None, unit: float) -> float:
     """A given start in the unit of the unknowns; nan if it is free."""
     return np.nan if start is None else float(start) / unit
 

@@ -314,6 +314,10 @@ def dyads_through(
         For fewer than three poses, equal poses, both `fixed` and `moving`, or neither if every point of the body is a
         solution: for three poses, and for more that are parallel or rotated about one point.
 
+    See Also
+    --------
+    body_guides
+
     Notes
     -----
     Constraint: Bottema and Roth, Theoretical Kinematics, 1979, chapter VIII; its solution is derived here.

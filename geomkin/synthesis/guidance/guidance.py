@@ -184,6 +184,10 @@ def body_guides(
         For fewer than three poses, equal poses, a time limit too short for any result, or if there is no such linkage.
         If the region is too small, the message gives one that is large enough.
 
+    See Also
+    --------
+    dyads_through, path_generator, function_generator
+
     Notes
     -----
     Three poses have many linkages: pins are searched for in the region. Four: pairs of dyads along the Burmester curves

@@ -115,6 +115,7 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
     )
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         # Checked before any search; no motion is longer than a turn.
         self.drive.check_rows()
 

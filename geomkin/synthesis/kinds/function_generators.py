@@ -177,6 +177,7 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         # Checked before any search.
         self.drive.check_rows(abs(self.wanted.input_deg) / 360)
 

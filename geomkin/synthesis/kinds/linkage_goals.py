@@ -223,11 +223,11 @@ def _label(rank: int, found: Found) -> str:
     """A label that distinguishes a linkage from the others."""
     angle = f"transmission angle {found.transmission_angle_deg:.3g} deg, " if not found.defects else ""
     defects = f", with a defect of {' and '.join(found.defects)}" if found.defects else ""
-    return f"{rank}: {angle}ratio of links {found.ratio:.3g}{defects}"
+    return f"{rank}: {found.accuracy}{angle}ratio of links {found.ratio:.3g}{defects}"
 
 
 def _strokes(found: Found) -> tuple[Complex, ...]:
-    motion = move(found.linkage, np.linspace(found.drive[0], found.drive[-1], PICTURE_FRAMES), found.branch)
+    motion = move(found.linkage, np.linspace(*found.drive_range, PICTURE_FRAMES), found.branch)
     general, strokes = motion.linkage, []
     for body, points in general.bodies.items():
         pins = [complex(motion.point(name).position[0]) for name in points if name in general.pins]

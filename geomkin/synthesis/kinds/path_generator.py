@@ -295,6 +295,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         return {} if file is None else {file.name: file.text}
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         # Checked before any search; no motion is longer than a turn.
         self.drive.check_rows()
 

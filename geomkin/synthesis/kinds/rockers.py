@@ -119,6 +119,7 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
     files: Files = entry("what is written", default=Files())
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.drive.check_rows()
 
     @cached_property
@@ -429,6 +430,7 @@ class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
     remedy = "give smaller swings or other starts"
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.drive.check_rows(abs(self.wanted.crank_swing_deg) / 360)
 
     def rank(self, member: DoubleRocker) -> tuple[float, ...]:

@@ -93,7 +93,7 @@ def shared_least_squares(
             best_x[which], best_t[which], best[which] = x, t, sums
             x, t, sums, damping, growth = (row[going] for row in (x, t, sums, damping, growth))
             which, still = which[going], still[going]
-            now = _some(now, going)
+            now = _selected(now, going)
         new_x, new_t, promised = _step(now, x, t, low[which], high[which], damping)
         new_t = residuals.settled(which, new_x, new_t)
         new = residuals(which, new_x, new_t)
@@ -110,7 +110,7 @@ def shared_least_squares(
         growth = np.where(better, 2.0, np.minimum(2 * growth, 1e3))
         x, t = np.where(better[:, None], new_x, x), np.where(better[:, None], new_t, t)
         sums = np.where(better, new_sums, sums)
-        now = _either(better, new, now)
+        now = _where(better, new, now)
     best_x[which], best_t[which], best[which] = x, t, sums
     return best_x, best_t, best
 
@@ -196,12 +196,12 @@ def _solved(system: Real, right: Real) -> Real:
     return np.where(bad[:, None] | ~np.isfinite(solutions), 0.0, solutions)
 
 
-def _some(of: Linearised, which: Mask) -> Linearised:
+def _selected(of: Linearised, which: Mask) -> Linearised:
     local = None if of.by_local is None else of.by_local[which]
     return Linearised(of.blocks[which], of.by_shared[which], local, of.rest[which], of.rest_by_shared[which])
 
 
-def _either(first: Mask, one: Linearised, other: Linearised) -> Linearised:
+def _where(first: Mask, one: Linearised, other: Linearised) -> Linearised:
     """Elements of one if `first`, else of the other."""
 
     def chosen(a: Real, b: Real) -> Real:

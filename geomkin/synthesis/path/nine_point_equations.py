@@ -123,21 +123,23 @@ def residuals(x: Complex, p: Complex) -> Complex:
 
     The distance from a dyad's pin to its ground pivot is the same at all points: P e + Q + R / e = 0.
     """
-    z, Z, w, W, e, d, D = _named(x, p)
+    z, Z, w, W, e, d, D = _unknowns_by_name(x, p)
     values: Complex = (z * (D - W) * e + d * (D - W) - w * D + z * W + w * Z) * e + Z * (d - w)
     return values
 
 
 def precise_residuals(x: Complex, x_low: Complex, p: Complex, p_low: Complex) -> Complex:
     """`residuals` of x + x_low for p + p_low, computed in double-double."""
-    z, Z, w, W, e, d, D = (ComplexDoubleDouble.of(high, low) for high, low in zip(_named(x, p), _named(x_low, p_low)))
+    z, Z, w, W, e, d, D = (
+        ComplexDoubleDouble.of(high, low) for high, low in zip(_unknowns_by_name(x, p), _unknowns_by_name(x_low, p_low))
+    )
     values = (z * (D - W) * e + d * (D - W) - w * D + z * W + w * Z) * e + Z * (d - w)
     return values.parts[0]
 
 
 def slopes(x: Complex, p: Complex) -> tuple[Complex, Complex, Complex, Complex]:
     """Derivatives of `residuals`: by a dyad's coordinates (s, 2, 8, 4), by e, by d and by D (s, 2, 8)."""
-    z, Z, w, W, e, d, D = _named(x, p)
+    z, Z, w, W, e, d, D = _unknowns_by_name(x, p)
     out, back = D - W, d - w
     by_place = np.empty((len(x), 2, 8, 4), dtype=complex)
     by_place[..., 0] = (out * e + W) * e
@@ -169,7 +171,7 @@ def solve(by_place: Complex, by_rotation: Complex, right: Complex) -> Complex:
 
 def rotations_of(places: Complex, p: Complex) -> Complex:
     """The coupler's rotations (s, 8) of solutions of which only the places (s, 8) are known."""
-    z, Z, w, W, _, d, D = _named(np.concatenate([places, np.ones_like(places)], axis=1), p)
+    z, Z, w, W, _, d, D = _unknowns_by_name(np.concatenate([places, np.ones_like(places)], axis=1), p)
     P, Q, R = z * (D - W), d * (D - W) - w * D + z * W + w * Z, Z * (d - w)
     rotations: Complex = (R[:, 0] * Q[:, 1] - Q[:, 0] * R[:, 1]) / (P[:, 0] * R[:, 1] - R[:, 0] * P[:, 1])
     return rotations
@@ -228,7 +230,7 @@ def is_degenerate(x: Complex) -> Mask:
     return found
 
 
-def _named(x: Complex, p: Complex) -> tuple[Array, ...]:
+def _unknowns_by_name(x: Complex, p: Complex) -> tuple[Array, ...]:
     """z, Z, w, W (s, 2, 1), and e, d, D (s, 1, 8)."""
     dyads = x[:, :8].reshape(-1, 2, 4)
     z, Z, w, W = (dyads[:, :, k, None] for k in range(4))

@@ -130,6 +130,10 @@ def path_generator(
         For fewer than 3 or more than 200,000 points, coinciding points, angles out of order, invalid bounds, a time
         limit too short for any result, or if no linkage is found within the limits.
 
+    See Also
+    --------
+    function_generator, body_guides, CouplerCurve
+
     Notes
     -----
     The search minimises the sum of squared distances. It compares tens of thousands of random linkages with the points

@@ -117,6 +117,12 @@ class PathFound(Found):
         return sum(len(points) > 1 for points in self.linkage.linkage.bodies.values())
 
     @property
+    def accuracy(self) -> str:
+        """Number of bars, and the largest distance as a share of the size of the path."""
+        size = _diagonal(self.points)
+        return f"{self.bars} bars, {100 * self.largest_distance / size:.2g} % off, " if size else ""
+
+    @property
     def extent(self) -> float:
         """Size of the place that all pins and the traced point need over a turn, as a multiple of the path's."""
         motion = move(self.linkage, np.linspace(0, 2 * np.pi, 61), self.branch)

@@ -140,6 +140,10 @@ def crank_rocker(
         sense, minus half the swing for the opposite one. Also if `largest_ratio` is too small for the swing, or a size
         is out of range.
 
+    See Also
+    --------
+    FourBar, function_generator, path_generator
+
     Notes
     -----
     At a rotation of 180 deg and near it the transmission angle grows with the ratio of the links without end. It then

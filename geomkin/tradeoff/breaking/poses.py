@@ -55,7 +55,7 @@ def _guided(distance: float) -> Sizes:
     return tuple(float(v) for row in zip(place.real, place.imag, angle) for v in row)
 
 
-def _known(ctx: Any, *sizes: Any) -> Any:
+def _pivot_near_known(ctx: Any, *sizes: Any) -> Any:
     """The pivot of the crank, by Newton's method from its known position."""
     places, directions = _placed(ctx, sizes)
     fixed, pin = ctx.mpc(0), ctx.mpc(0)
@@ -95,6 +95,6 @@ CELLS = (
          lambda *sizes: dyads_through(_poses(sizes), moving=PIN).fixed, "sizes, refused",
          "the distance of the poses, which are refused from 1e-12 on"),
     Cell("dyads of five poses", "equal poses", "fixed pivot of a known crank", "drive between two poses, rad", _guided,
-         _known, _found, "sizes, refused",
+         _pivot_near_known, _found, "sizes, refused",
          "the distance of the poses; from 1e-10 on, dyads through four poses, each with its `residual`"),
 )  # fmt: skip

@@ -1,0 +1,256 @@
+"""Cams that move their follower both ways: rollers between walls, their play, and what recipes of such cams share."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ...core.errors import DesignError
+from ...core.fields import rounded_up, to_digits
+from ...core.records import record
+from ...core.units import mm
+from ...model.check import Check
+from ...model.material import Mass
+from ...model.scene import Limit, Plot, Scene, SceneBody
+from ...model.table import Column, Table
+from ...plane.curve import AbstractCurve
+from ...plane.flatten import flatten
+from ...plane.vec import Real
+from ...recipe.recipe import part_masses
+from ..cam import Cam
+from ..checks import cam_table
+from ..followers.follower import FollowerPlate, Hole
+from ..followers.roller import AbstractRoller
+from ..parts import pin_masses
+from ..play import Wall, play_angles, roller_play
+from ..program.extrema import samples
+from ..scene import cam_scene, with_size_plot
+from ..undercut import Undercut, undercut
+from .disk_cam import AbstractCamRecipe
+from .loads import CamLoadsAspect
+from .made import MadeCam
+
+# Chord tolerance of the walls whose play is computed, as a share of the clearance, and its least value, mm.
+CHORDS, LEAST_CHORDS = 0.005, 1e-4
+# Free distance of guide pins from a turning plate, mm.
+FREE = 1.0
+# Largest play of the roller along its path, in clearances: between parallel walls it is 1 over the cosine of the
+# pressure angle, 1.41 at 45 deg. With more, a wall is cut away; chosen here.
+MOST_PLAY = 2.0
+
+
+@record(eq=False)
+class AbstractPositiveCam(MadeCam):
+    """A cam whose rollers run between two walls, which push the follower away from the axis and towards it."""
+
+    # Number of sheets that a pin of the bar passes over a base.
+    pin_layers = 2
+
+    @property
+    @abstractmethod
+    def clearance(self) -> float:
+        """How much farther apart the walls are than the rollers between them, mm."""
+
+    @property
+    @abstractmethod
+    def curves(self) -> Sequence[tuple[AbstractCurve, complex]]:
+        """Each wall as cut, in the cam's frame, and the centre of its roller in the follower's frame, mm."""
+
+    @property
+    @abstractmethod
+    def bars(self) -> tuple[FollowerPlate, ...]:
+        """The plates that carry the rollers."""
+
+    def check(self) -> None:
+        """DesignError if no roller can run between such walls."""
+        follower, jumps = self.cam.follower, self.cam.program.jumps.velocity
+        if not isinstance(follower, AbstractRoller) or not follower.roller_radius:
+            problem = f"found {follower.kind}, which no walls move both ways"
+            remedy = 'give kind = "translating-roller" or "oscillating-roller" with a roller_radius above 0'
+            raise DesignError("cam.follower", problem, remedy, "conflict")
+        if jumps.any():
+            at = float(np.degrees(self.cam.program.breaks[:-1][np.abs(jumps).argmax()]))
+            problem = f"its velocity jumps at {at:.4g} deg, where the walls would not meet"
+            remedy = "start and end the motion with a law that rests there"
+            raise DesignError("cam.program", problem, remedy, "conflict")
+
+    @property
+    def roller(self) -> AbstractRoller:
+        """The follower, as `check` accepts it."""
+        assert isinstance(self.cam.follower, AbstractRoller)
+        return self.cam.follower
+
+    @property
+    def half_width(self) -> float:
+        """Distance of a wall from the pitch curve of its roller, mm."""
+        return self.roller.roller_radius + self.clearance / 2
+
+    @cached_property
+    def cut(self) -> Undercut:
+        """The first cam as cut. A roller between walls loses no lift by undercut: it gets play there."""
+        return Undercut(self.cam, self.narrowed(self.cam), np.empty((0, 2)), np.empty(0, complex))
+
+    def narrowed(self, cam: Cam) -> AbstractCurve:
+        """Outline of a cam as cut, half the clearance inside its profile."""
+        wider = replace(cam.follower, roller_radius=self.half_width)  # type: ignore[type-var]
+        return undercut(replace(cam, follower=wider, base_radius=cam.base_radius - self.clearance / 2)).outline
+
+    @cached_property
+    def walls(self) -> tuple[Wall, ...]:
+        """The walls as cut, each with its roller."""
+        chords = max(CHORDS * self.clearance, LEAST_CHORDS)
+        return tuple(Wall(flatten(curve, chords), centre, self.roller.roller_radius) for curve, centre in self.curves)
+
+    def play(self, angle: Real) -> Real:
+        """Play of the roller along its path at given cam angles, mm."""
+        reach = abs(self.roller.centre) if self.roller.oscillates else 1.0
+        low, high = roller_play(self.cam, self.walls, angle, 10 * self.clearance / reach)
+        return (high - low) * reach
+
+    @cached_property
+    def play_range(self) -> tuple[float, float]:
+        """Least and largest play over a turn, mm."""
+        play = self.play(play_angles(self.cam))
+        return float(play.min()), float(play.max())
+
+    def guide_pins(self, radius: float) -> tuple[Hole, Hole]:
+        """Holes of the two pins that guide a stem, beyond a turning plate of a radius, mm."""
+        cam, stock = self.cam, self.stock
+        lifts = cam.program.motion(samples(cam.program.breaks).ravel()).lift
+        lowest = complex(np.asarray(cam.follower.pose(lifts.min(), cam.base_radius).origin))
+        clear = radius + stock.pivot_bore / 2 + FREE
+        first = float(np.sqrt(max(clear**2 - lowest.real**2, 0.0))) - lowest.imag
+        least = first + 2 * stock.bar_width
+        if stock.stem_length < least:
+            problem = f"found {mm(stock.stem_length):g}, too short for two guide pins beyond the cam"
+            value = rounded_up(least)
+            raise DesignError("stock.stem_length", problem, f"give at least {mm(least):up}, or omit base", value=value)
+        inner, outer = (
+            Hole("pivot_bore", stock.pivot_bore, stock.bar_width, 1j * at) for at in (first, stock.stem_length)
+        )
+        return inner, outer
+
+    @cached_property
+    def masses(self) -> Mapping[str, Mass]:
+        bodies = part_masses(self.parts)
+        for body, mass in pin_masses(self.bars, self.stock, self.base, self.pin_layers).items() if bodies else ():
+            bodies[body] += mass
+        return bodies
+
+
+@record(eq=False)
+class PositiveLoadsAspect(CamLoadsAspect):
+    """The forces of walls and rollers: the first wall pushes outwards, the other one pulls inwards."""
+
+    # Of the two walls, for the texts.
+    names = ("core", "ring")
+
+    @property
+    def contact_checks(self) -> Iterator[Check]:
+        """None: the walls hold the follower."""
+        return iter(())
+
+    @property
+    def spring_summary(self) -> Mapping[str, object]:
+        """Cam angles at which the load changes from one wall to the other."""
+        force = self.forces.contact
+        changes = np.flatnonzero((force[1:] * force[:-1] < 0) & np.isfinite(force[1:] * force[:-1]))
+        return {"wall_changes_at_deg": [to_digits(np.degrees(self.angles[k + 1]), 5) for k in changes]}
+
+    def columns(self, table: Table) -> Iterator[Column]:
+        first, second = self.names
+        meaning = f"force on the roller along the normal of its wall, from the {first}, or below 0 from the {second}"
+        for column in super().columns(table):
+            yield replace(column, meaning=meaning) if column.id == "contact_force" else column
+
+    def plots(self, table: Table) -> Iterator[Plot]:
+        for plot in super().plots(table):
+            lines = tuple(replace(line, label=f"below, the {self.names[1]} carries it") for line in plot.limits)
+            yield replace(plot, limits=lines) if plot.columns == ("contact_force",) else plot
+
+
+@record(kw_only=True)
+class AbstractPositiveCamRecipe(AbstractCamRecipe):
+    """Base class of recipes of cams that move their follower both ways."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.made.check()
+
+    @property
+    @abstractmethod
+    def made(self) -> AbstractPositiveCam:
+        """The cam in its setting."""
+
+    @abstractmethod
+    def wall_columns(self, angle: Real) -> Iterator[Column]:
+        """Columns of the other wall."""
+
+    @property
+    @abstractmethod
+    def wall_checks(self) -> Iterator[Check]:
+        """Checks of the other wall."""
+
+    @abstractmethod
+    def shown(self, table: Table, limits: Sequence[Limit] = ()) -> Scene:
+        """The scene without the plots of a recipe."""
+
+    @property
+    def own_table(self) -> Table:
+        angle = self.drive.angles
+        play = Column("play", "mm", "play of the roller along its path", self.made.play(angle))
+        return Table((*super().own_table.columns, *self.wall_columns(angle), play))
+
+    @property
+    def own_checks(self) -> tuple[Check, ...]:
+        (least, largest), most = self.made.play_range, MOST_PLAY * self.made.clearance
+        advice = "a wall is cut away: give a larger base_radius, a smaller roller or longer segments"
+        jams = "the roller jams: give a larger clearance"
+        return (
+            *super().own_checks,
+            *self.wall_checks,
+            Check("least_play", "least play of the roller along its path", least, "at least", 0, "mm", jams, "play"),
+            Check("play", "largest play of the roller along its path", largest, "at most", most, "mm", advice, "play"),
+        )
+
+    def layered(self, table: Table, limits: Sequence[Limit], hidden: Sequence[str], cam: int, bar: int) -> Scene:
+        """The scene of the first cam, its follower without some parts, in layers counted from the lowest one."""
+        parts = [part for part in self.parts if part.name not in hidden]
+        scene = cam_scene(self.cam, table, parts, self.made.cut, limits)
+        first = int(self.base is not None)
+
+        def placed(body: SceneBody) -> SceneBody:
+            layers = {"cam": first + cam, "roller": first + cam, "ground": 0, "motor_plate": body.layer}
+            return replace(body, layer=layers.get(body.name, first + bar))
+
+        return replace(scene, bodies=tuple(map(placed, scene.bodies)))
+
+    @property
+    def own_scene(self) -> Scene:
+        scene = with_size_plot(self.shown(self.table, self._limits()), self.cam)
+        most = Limit("play", MOST_PLAY * self.made.clearance, "more if a wall is cut away")
+        return replace(scene, plots=(*scene.plots, Plot("play of the roller", ("play",), (most,))))
+
+    def scene_at(self, turn: Real) -> Scene:
+        return self.shown(cam_table(self.cam, self.made.speed, np.remainder(turn, 2 * np.pi), self.made.cut))
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        least, most = self.made.play_range
+        own = {key: value for key, value in super().quantities.items() if key != "undercut"}
+        return {**own, "play": f"{mm(least, most, between=' to '):.3g}"}
+
+    @property
+    def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
+        before, after = super().own_notes
+        least, most = self.made.play_range
+        return {"play": {"least_mm": to_digits(least, 4), "largest_mm": to_digits(most, 4)}, **before}, after
+
+    @classmethod
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, Any]:
+        return {**super().example_values(tables), **({"stock.stem_length": 90.0} if "base" in tables else {})}

@@ -1,0 +1,119 @@
+"""Another mechanism on a shaft: a recipe becomes one of a machine, or a machine gets one more mechanism."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import count
+from typing import Any
+
+import tomlkit
+
+from ..core.errors import DesignError, shown
+from ..core.units import MM, UNITS
+from ..machine.kinds import MachineRecipe
+from ..recipe.keys import edited_text
+from ..recipe.kinds import recipe_class
+from ..recipe.lengths import from_mm
+from ..recipe.recipe import AbstractGoal, AbstractRecipe
+from ..recipe.template import template
+from ..recipe.toml import parsed
+
+# Longest table in one line.
+LONGEST = 110
+
+
+def shafts(recipe: AbstractRecipe) -> Iterator[tuple[str, complex]]:
+    """Names of the bodies that can turn another mechanism, as `turned_by` has them, and their axes, mm."""
+    if isinstance(recipe, MachineRecipe):
+        for name, bodies in recipe.graph.bodies.items():
+            pose = recipe.poses[name]
+            yield from ((f"{name}.{body}", complex(pose.place(turning.axis))) for body, turning in bodies.items())
+    elif not isinstance(recipe, AbstractGoal):
+        yield from ((body, complex(turning.axis)) for body, turning in recipe.rotating_bodies.items())
+
+
+def joined(text: str, table: Mapping[str, Any], name: str, recipe: AbstractRecipe, wanted: Mapping[str, Any]) -> str:
+    """The text of a machine with another mechanism on one of its shafts.
+
+    Parameters
+    ----------
+    text, table : str and mapping
+        The recipe before: of a machine, or of a mechanism, which becomes the first one of a machine.
+    name : str
+        Name of that recipe; "" if it has none.
+    recipe : AbstractRecipe
+        The same, read.
+    wanted : mapping
+        `turned_by`, the name of a shaft as `shafts` gives it; and `recipe`, the name of a recipe of the folder, or
+        `kind`, whose template is taken; `phase_deg`.
+
+    Raises
+    ------
+    DesignError
+        If there is no such shaft or kind.
+    """
+    known = dict(shafts(recipe))
+    turned_by, phase = wanted.get("turned_by"), wanted.get("phase_deg", 0)
+    if turned_by not in known or isinstance(phase, bool) or not isinstance(phase, int | float):
+        remedy = f"give one of {', '.join(known)}" if known else "give a mechanism with a shaft that turns"
+        raise DesignError("join.turned_by", f"found {shown(turned_by)}", remedy, "unknown-key")
+    other, noun = _source(wanted, recipe)
+    mechanism: dict[str, Any] = {"turned_by": turned_by, **({"phase_deg": phase} if phase else {}), "recipe": other}
+    if isinstance(recipe, MachineRecipe):
+        added = _new_name(noun, recipe.mechanisms)
+        return edited_text(text, {f"mechanisms.{added}": _table(mechanism)})
+    first = _new_name(name or recipe.kind, ())
+    added = _new_name(noun, (first,))
+    own = {key: value for key, value in table.items() if key != "units"}
+    head = 'kind = "machine"\n' if recipe.units == MM.name else f'kind = "machine"\nunits = "{recipe.units}"\n'
+    mechanism["turned_by"] = f"{first}.{turned_by}"
+    # Its parts are cut by the same beam.
+    kerf = {"files.kerf": UNITS[recipe.units].in_digits(recipe.files.kerf, "mm")} if recipe.files.kerf else {}
+    both = {f"mechanisms.{first}": _table({"recipe": own}), f"mechanisms.{added}": _table(mechanism)}
+    return edited_text(head, {**both, **kerf})
+
+
+def _source(wanted: Mapping[str, Any], machine: AbstractRecipe) -> tuple[str | dict[str, Any], str]:
+    """The recipe that is joined, as a machine states it, and a word for its name."""
+    name, kind = wanted.get("recipe"), wanted.get("kind")
+    if isinstance(name, str) and name:
+        return f"{name}.toml", name
+    try:
+        recipe = recipe_class(kind if isinstance(kind, str) else "")
+    except KeyError:
+        raise DesignError("join.kind", f"found {shown(kind)}", "give a kind", "unknown-kind") from None
+    table, unit = _without_empty(parsed(template(recipe))), UNITS[machine.units]
+    return (table if unit is MM else from_mm(table, recipe, unit)), recipe.kind
+
+
+def _without_empty(table: Mapping[str, Any]) -> dict[str, Any]:
+    inner = {key: _without_empty(value) if isinstance(value, Mapping) else value for key, value in table.items()}
+    return {key: value for key, value in inner.items() if value != {}}
+
+
+def _new_name(noun: str, taken: Any) -> str:
+    """A name for a mechanism: parts of two are told apart, so that neither begins with the other and `_`."""
+    noun = noun.replace("_", "-")[:20]
+    return next(name for k in count(1) if (name := noun if k == 1 else f"{noun}-{k}") not in taken)
+
+
+def _table(values: Mapping[str, Any]) -> Any:
+    """A table whose innermost tables are in one line each, if they are short."""
+    table = tomlkit.table()
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            is_inner = not any(_has_tables(held) for held in value.values()) and len(str(value)) <= LONGEST
+            table[name] = _inline(value) if is_inner and value else _table(value)
+        else:
+            table[name] = value
+    return table
+
+
+def _inline(values: Mapping[str, Any]) -> Any:
+    table = tomlkit.inline_table()
+    table.update(values)
+    return table
+
+
+def _has_tables(value: Any) -> bool:
+    return isinstance(value, Mapping) or (isinstance(value, list) and any(map(_has_tables, value)))
