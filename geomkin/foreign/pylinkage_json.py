@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import json
 import math
+from collections.abc import Collection
 from typing import Any
 
 from ..core.errors import printable
@@ -71,14 +72,20 @@ def read(text: str, file: str) -> Drawn:
         if holder is None:
             refuse(file, id, "it follows joints of no common link", "let it follow two joints of one link", "conflict")
         bodies[holder] = (bodies[holder][0], (*bodies[holder][1], id))
-    size = max(abs(a - b) for a in places.values() for b in places.values())
-    scale = 10.0 ** round(math.log10(150 / size)) if size and not 20 <= size <= 2000 else 1.0
+    scale = scale_of(places.values())
     motor = text_of(drivers[0], "motor_joint", file)
     fixed.add(motor)
     note = f"pylinkage has no unit: one unit is {scale:g} mm here; change scale."
     speed = math.copysign(60.0, number(file, "angular_velocity", drivers[0].get("angular_velocity", 1.0)))
     turn = arc_of(drivers[0], file) if drivers[0]["type"] == "arc_driver" else 360.0
     return Drawn("pylinkage", places, frozenset(fixed), tuple(bodies), motor, speed, turn, tuple(slots), scale, (note,))
+
+
+def scale_of(places: Collection[complex]) -> float:
+    """The power of ten by which a linkage is a few hundred mm large; 1 if it is of such a size as it is."""
+    xs, ys = [place.real for place in places], [place.imag for place in places]
+    size = math.hypot(max(xs) - min(xs), max(ys) - min(ys))
+    return 10.0 ** round(math.log10(150 / size)) if size and not 20 <= size <= 2000 else 1.0
 
 
 def arc_of(driver: dict[str, Any], file: str) -> float:
