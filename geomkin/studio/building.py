@@ -436,7 +436,10 @@ def unfinished(table: Mapping[str, Any]) -> Structure | None:
 
 
 def _complex(points: Mapping[str, Any]) -> dict[str, complex]:
-    return {name: complex(*place) for name, place in points.items()}
+    places = {name: complex(*place) for name, place in points.items()}
+    if not np.isfinite(list(places.values())).all():
+        raise ValueError
+    return places
 
 
 def _with_places(slide: Mapping[str, Any]) -> dict[str, Any]:

@@ -58,7 +58,7 @@ from .moved import (
     components_entry,
 )
 from .stance import StandingAspect
-from .straight_lines import StraightLineAspect, StraightLineTable, straight_line_entry
+from .straight_lines import StraightLineAspect, StraightLineTable, moving_points, straight_line_entry
 from .tolerances import TolerancesAspect, TolerancesTable, tolerances_entry
 
 
@@ -92,6 +92,8 @@ class LinkageAdditions(JointAdditions):
             yield "loads.actuator"
         if not names["bodies"]:
             yield "loads.counterweights"
+        if not moving_points(linkage):
+            yield "straight_line"
         if not names["slide"]:
             yield from ("loads.slide_forces", "loads.slide_friction")
 

@@ -37,7 +37,7 @@ class StraightLineTable:
         "mm",
         at_least=0,
         at_most=FARTHEST,
-        example=1.0,
+        example=20.0,
     )
     point: str = entry("the point; by default the last one of a moving body that is no pin", default="")
     over_deg: tuple[Angle, Angle] | None = entry(
@@ -60,14 +60,15 @@ class StraightLineTable:
         default=None,
         above=0,
         at_most=FARTHEST,
-        example=40,
     )
 
     def point_of(self, linkage: Linkage) -> str:
         """Name of the point; DesignError if no moving body has it."""
-        fixed = linkage.bodies[linkage.ground]
-        points = [name for names in linkage.bodies.values() for name in names if name not in fixed]
-        if (self.point or not points) and self.point not in points:
+        points = moving_points(linkage)
+        if not points:
+            problem = "is given, but no moving body has a point that could follow a line"
+            raise DesignError("straight_line", problem, "omit it", "conflict")
+        if self.point and self.point not in points:
             remedy = f"give a point of a moving body: {', '.join(dict.fromkeys(points))}"
             raise DesignError("straight_line.point", f"found {shown(self.point)}", remedy, "unknown-key")
         return self.point or ([name for name in points if name not in linkage.pins] or points)[-1]
@@ -92,6 +93,12 @@ class StraightLineTable:
         if not (start < end and is_inside):
             raise DesignError("straight_line.over_deg", f"found {list(self.over_deg)}", remedy, "out-of-range")
         return start, end
+
+
+def moving_points(linkage: Linkage) -> list[str]:
+    """Names of points that may follow a line, once for each body that has them."""
+    fixed = linkage.bodies[linkage.ground]
+    return [name for names in linkage.bodies.values() for name in names if name not in fixed]
 
 
 def straight_line_entry() -> Any:
