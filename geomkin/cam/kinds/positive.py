@@ -253,4 +253,4 @@ class AbstractPositiveCamRecipe(AbstractCamRecipe):
 
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, Any]:
-        return {**super().example_values(tables), **({"stock.stem_length": 90.0} if "base" in tables else {})}
+        return {**super().example_values(tables), **({"stock.stem_length": 120.0} if "base" in tables else {})}
