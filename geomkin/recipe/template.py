@@ -161,10 +161,11 @@ def choices(recipe: type, path: str = "") -> dict[str, dict[str, type]]:
     An optional table has the single kind "".
     """
     tables_by_key: dict[str, dict[str, type]] = {}
+    refused = recipe.additions.refused if issubclass(recipe, AbstractRecipe) else ()
     for declared in fields_of(recipe).values():
         tables, key = declared.tables, path + declared.name
-        if str in declared.shape.options:
-            # A table with a name, such as a motor, is given by its name.
+        # A table with a name, such as a motor, is given by its name.
+        if str in declared.shape.options or key in refused:
             continue
         kinds = {kind_of(table): table for table in tables if kind_of(table)}
         is_shown = bool(declared.about.get("examples", [None])[0])

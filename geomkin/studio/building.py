@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -426,20 +427,26 @@ def unfinished(table: Mapping[str, Any]) -> Structure | None:
         known = {body for s in (*sliders, *slots) for body in (s["body"], s["along"])}
         if not known <= set(bodies) or len(bodies) > MOST_BODIES:
             return None
-        turn = np.exp(1j * math.radians(linkage.get("ground_angle_deg", 0.0)))
-        frame = (complex(*linkage.get("origin", (0, 0))), complex(turn))
+        turn = cmath.rect(1.0, math.radians(linkage.get("ground_angle_deg", 0.0)))
+        frame = (complex(*linkage.get("origin", (0, 0))), turn)
         driver = linkage.get("driver", "")
+        if not isinstance(driver, str):
+            return None
     except (GeomkinError, KeyError, TypeError, ValueError, AttributeError):
         return None
     poses = {body: frame if body == ground else _pose(points, estimate, frame) for body, points in bodies.items()}
-    return Structure(bodies, poses, driver if isinstance(driver, str) else "", sliders, slots)
+    return Structure(bodies, poses, driver, sliders, slots)
 
 
 def _complex(points: Mapping[str, Any]) -> dict[str, complex]:
-    places = {name: complex(*place) for name, place in points.items()}
-    if not np.isfinite(list(places.values())).all():
+    return {name: _place(place) for name, place in points.items()}
+
+
+def _place(place: Any) -> complex:
+    """A position; ValueError if it is none."""
+    if not isinstance(place, list | tuple) or [type(x) in (int, float) for x in place] != [True, True]:
         raise ValueError
-    return places
+    return complex(*place)
 
 
 def _with_places(slide: Mapping[str, Any]) -> dict[str, Any]:
@@ -450,7 +457,7 @@ def _with_places(slide: Mapping[str, Any]) -> dict[str, Any]:
         **({} if "pin" in slide else {"point": (0, 0), "angle_deg": 0.0}),
     }
     whole = {**defaults, **slide}
-    return {name: complex(*value) if name in ("point", "through") else value for name, value in whole.items()}
+    return {name: _place(value) if name in ("point", "through") else value for name, value in whole.items()}
 
 
 def _pose(points: Points, estimate: Points, frame: Pose) -> Pose:

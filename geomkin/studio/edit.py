@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import partial
@@ -252,6 +253,8 @@ def _as_changes(groups: Sequence[Sequence[Number]], values: Array) -> dict[str, 
     }
 
 
+# Where keys begin of which some may be missing or wrong while a linkage is built.
+BUILT = ("linkage", "stroke", "branch")
 # Problems of a linkage as it is drawn.
 DRAWN = ("impossible-geometry", "does-not-assemble")
 # Digits of positions of handles: a millionth of their size is far below a pixel.
@@ -448,16 +451,25 @@ def _unfinished(draft: Draft, request: Mapping[str, Any], reply: Answer) -> None
     # Sizes that do not fit are shown by the gap, unless they were drawn.
     if not (is_open or (request.get("build") and reply["problems"][0]["id"] in DRAWN)):
         return
+    values = dict(_flat(table, ""))
+    if any(not problem["key"].startswith(BUILT) for problem in reply["problems"]) or not _is_json(values):
+        return
     scale, unit = float(table.get("scale", 1.0)), UNITS[table.get("units", "mm")]
-    name = reply["name"] = draft.name or "linkage"
-    reply["structure"], reply["values"] = structure_data(structure), dict(_flat(table, ""))
-    reply["handles"] = [_handle(handle, (), 1.0, 1.0) for handle in point_handles(structure, scale)]
+    name, is_check = draft.name or "linkage", request.get("lane") == "checks"
+    try:
+        handles = [_handle(handle, (), 1.0, 1.0) for handle in point_handles(structure, scale)]
+        scene = None if is_check else scene_data(drawn(structure, scale), name, unit)
+    except DesignError:
+        # It is too large to be drawn.
+        return
+    reply["name"], reply["handles"], reply["structure"] = name, handles, structure_data(structure)
+    reply["values"] = values
     if is_open:
         reply["problems"], reply["unfinished"] = [], advice(structure)
-    if request.get("lane") == "checks":
+    if is_check:
         reply["checks"], reply["candidates"], reply["parts"] = [], [], {"parts": [], "bought": [], "steps": []}
     else:
-        reply["scene"] = scene_data(drawn(structure, scale), name, unit)
+        reply["scene"] = scene
         reply["quantities"] = [{"id": "", "label": "degrees of freedom", "text": str(structure.freedom)}]
 
 
@@ -640,6 +652,15 @@ def _is_there(table: Mapping[str, Any], field: str) -> bool:
 def _values(recipe: AbstractRecipe) -> dict[str, Any]:
     """Every key with its value as it stands, also those that the text leaves out."""
     return dict(_flat(whole_table(recipe), ""))
+
+
+def _is_json(values: Mapping[str, Any]) -> bool:
+    """Whether JSON has such values: a text may have numbers that are none, and dates."""
+    try:
+        json.dumps(values, allow_nan=False)
+    except (TypeError, ValueError):
+        return False
+    return True
 
 
 def _flat(value: Any, key: str) -> Iterator[tuple[str, Any]]:

@@ -52,6 +52,10 @@ def takes(kind, aspect):
     return aspect in (field.name for field in dataclasses.fields(recipe_class(kind)))
 
 
+def offers(kind, aspect):
+    return takes(kind, aspect) and aspect not in recipe_class(kind).additions.refused
+
+
 @cache
 def text_of(kind, aspect):
     is_table = aspect and ASPECTS[aspect] is None and aspect in choices_of(kind)
@@ -219,7 +223,7 @@ def certified(table, tmp_path):
 
 
 WAYS = (alone, in_machine, scaled, inches, swept, optimised, in_studio, certified)
-PAIRS = [(kind, aspect) for kind in kind_names() for aspect in (None, *ASPECTS) if not aspect or takes(kind, aspect)]
+PAIRS = [(kind, aspect) for kind in kind_names() for aspect in (None, *ASPECTS) if not aspect or offers(kind, aspect)]
 
 
 def cases():

@@ -10,6 +10,7 @@ from ...core.fields import to_digits
 from ...core.records import record
 from ...core.units import UNITS
 from ...model.check import WorkedFormula
+from ...recipe.recipe import Additions
 from ...recipe.settings import Stroke
 from ..measures import grashof
 from ..named_linkages import (
@@ -23,7 +24,7 @@ from ..named_linkages import (
 )
 from ..six_bars import StephensonSixBar, WattSixBar
 from .copies import Copy, copies_entry
-from .linkages import SlidingLinkageRecipe, TurningLinkageRecipe
+from .linkages import LinkageAdditions, SlidingLinkageRecipe, TurningLinkageRecipe
 from .moved import WITH_SLIDER, BodyList, shown_joints
 from .stance import foot_entry
 from .worked_formulas import four_bar_formulas, slider_crank_formulas
@@ -124,6 +125,8 @@ class ScotchYokeRecipe(TurningLinkageRecipe):
 class OldhamCouplingRecipe(TurningLinkageRecipe):
     """Two slotted hubs and a disc between them: equal rotation of two offset shafts."""
 
+    # All its points are pivots.
+    additions: ClassVar[Additions] = LinkageAdditions(refused=("straight_line",))
     kind: Literal["oldham-coupling"] = "oldham-coupling"
     linkage: OldhamCoupling
 
