@@ -71,7 +71,7 @@ class MachineAdditions(Additions):
             inner = mechanism.recipe
             motors = [f"{key}.motor" for key in fields_of(type(inner)) if key.endswith("stock")]
             of_driver = (*OF_DRIVER, *motors) if mechanism.turned_by else ()
-            for key in (*inner.additions.unavailable(inner), *OF_MACHINE, "stroke", *of_driver):
+            for key in (*inner.additions.unavailable(inner), *OF_MACHINE, "stroke", "printing", *of_driver):
                 yield f"mechanisms.{name}.recipe.{key}"
 
 

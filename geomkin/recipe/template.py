@@ -155,13 +155,13 @@ def _line(declared: DeclaredField, value: Any) -> tuple[str, str]:
     return f"{'# ' if optional else ''}{name} = {toml_value(value)}", note
 
 
-def choices(recipe: type, path: str = "") -> dict[str, dict[str, type]]:
+def choices(recipe: type, path: str = "", refused: Sequence[str] = ()) -> dict[str, dict[str, type]]:
     """Tables that have several kinds, or that a template leaves out by default: dotted key -> kind -> its dataclass.
 
     An optional table has the single kind "".
     """
     tables_by_key: dict[str, dict[str, type]] = {}
-    refused = recipe.additions.refused if issubclass(recipe, AbstractRecipe) else ()
+    refused = recipe.additions.refused if issubclass(recipe, AbstractRecipe) else refused
     for declared in fields_of(recipe).values():
         tables, key = declared.tables, path + declared.name
         # A table with a name, such as a motor, is given by its name.
@@ -174,7 +174,7 @@ def choices(recipe: type, path: str = "") -> dict[str, dict[str, type]]:
         elif tables and not is_shown and (declared.field.default is None or declared.is_rows):
             tables_by_key[key] = {"": tables[0]}
         elif len(tables) == 1:
-            tables_by_key |= choices(tables[0], f"{key}.")
+            tables_by_key |= choices(tables[0], f"{key}.", refused)
     return tables_by_key
 
 

@@ -53,7 +53,10 @@ def takes(kind, aspect):
 
 
 def offers(kind, aspect):
-    return takes(kind, aspect) and aspect not in recipe_class(kind).additions.refused
+    recipe = recipe_class(kind)
+    # Polygons have the components as their subject.
+    is_own = aspect == "effective_components" and not hasattr(recipe, "aspect_kinds")
+    return takes(kind, aspect) and not is_own and aspect not in recipe.additions.refused
 
 
 @cache

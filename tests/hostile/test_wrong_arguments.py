@@ -192,7 +192,6 @@ GOOD = {
     "grashof": {"linkage": FOUR_BAR},
     "longest_dwell": {"motion": MOTION, "output": "rocker", "band": 0.1},
     "straight_part": {"motion": MOTION, "point": "coupler_point", "start": 0.5, "end": 2.0},
-    "StraightPart": {"start": 0j, "end": 70 + 0j, "deviation": 0.01, "speed_variation": 0.2},
     "scaled": {"thing": FOUR_BAR, "scale": 2.0},
     "driver_limits": {"linkage": FOUR_BAR, "branch": 1, "span": (0.0, 6.0)},
     "dyads_through": {"poses": FOUR, "count": 20},
@@ -328,7 +327,7 @@ GOOD = {
 }  # fmt: skip
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.
 MADE = {
-    "Grashof", "OutputDwell", "PathCount", "AreaMoments", "CamForces", "DriveTable", "Balance", "ForceAnalysis", "ForwardMotion", "SlideForces", "MATERIALS", "MOTOR_FACES", "MOTORS", "PROFILES", "masses",
+    "Grashof", "OutputDwell", "StraightPart", "PathCount", "AreaMoments", "CamForces", "DriveTable", "Balance", "ForceAnalysis", "ForwardMotion", "SlideForces", "MATERIALS", "MOTOR_FACES", "MOTORS", "PROFILES", "masses",
     "RootSection", "SampledDeviations", "ToleranceAnalysis", "ToothForm", "ToothStrength", "strength_checks",
     "index", "load", "make", "verify", "write", "Stack", "PathFound",
     # Tables, which are looked at as tables.

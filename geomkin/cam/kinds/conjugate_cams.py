@@ -19,11 +19,13 @@ from ...model.scene import Limit, Plot, Scene, SceneBody, SceneHandle, SceneMark
 from ...model.table import Column, Table, xy_columns
 from ...plane.vec import Real
 from ...recipe.composed import AspectKinds
+from ...recipe.recipe import Additions
 from ..checks import cam_checks
 from ..dynamics import CamForces
 from ..followers.roller import OscillatingRoller
 from ..undercut import Undercut
 from .conjugate import MadeConjugateCams, SecondCam
+from .disk_cam import CamAdditions
 from .loads import LONGEST_ARROW
 from .positive import AbstractPositiveCamRecipe, PositiveLoadsAspect
 
@@ -78,6 +80,7 @@ class ConjugateCamsRecipe(AbstractPositiveCamRecipe):
     """Two cams on one shaft that move one follower both ways: rollers on an arm or a yoke, motion, play, plates."""
 
     aspect_kinds: ClassVar[AspectKinds] = (ConjugateLoadsAspect,)
+    additions: ClassVar[Additions] = CamAdditions(refused=("loads.friction",))
     kind: Literal["conjugate-cams"] = "conjugate-cams"
     second: SecondCam = entry("the second cam and the clearance of both", default=SecondCam())
 

@@ -332,6 +332,8 @@ class InternalGearPairRecipe(AbstractPairRecipe):
     pair = InternalGearPair
 
     prints_in_place: ClassVar[bool] = True
+    # The holes of the usual example would lie in its teeth.
+    additions: ClassVar[Additions] = Additions(("ring_stock.attachments",))
     kind: Literal["internal-gear-pair"] = "internal-gear-pair"
     pinion: SpurGear = entry("the driving gear", example=SpurGear(18, 2))
     ring: RingGear = entry("the ring round the pinion", example=RingGear(60, 2, addendum=0.8))

@@ -53,7 +53,7 @@ from .loaded import AbstractLoadedRecipe, LoadedMeshes, loaded_materials, planet
 class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     """A sun, planets and a ring: all gears and the carrier of the planets; one member drives, one is fixed."""
 
-    additions: ClassVar[Additions] = Additions(("planet_stock.motor",))
+    additions: ClassVar[Additions] = Additions(("planet_stock.motor", "ring_stock.attachments"))
     prints_in_place: ClassVar[bool] = True
     kind: Literal["planetary"] = "planetary"
     gears: PlanetarySet
