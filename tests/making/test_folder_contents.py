@@ -27,8 +27,13 @@ OVER = {
     "motor-over-lantern": f'{LANTERN}stock = {{{DRIVEN}, fit = "press", mate_bore = 12, mate_bore_form = "keyed"}}\n[base]\n',
 }
 # Recipes of one mechanism, since those of a machine have equal letters and spacers on their own parts; files in mm.
+# Printed sets have no screws and pins with letters.
 TEXTS = {path.stem: path.read_text() for path in RECIPES.glob("*.toml")}
-SINGLE = [name for name, text in TEXTS.items() if not any(x in text for x in ('kind = "machine"', 'units = "in"'))]
+SINGLE = [
+    name
+    for name, text in TEXTS.items()
+    if not any(x in text for x in ('kind = "machine"', 'units = "in"', "\n[printing]"))
+]
 NAMES = by_default(sorted([*OVER, *SINGLE]), ["gear-pair", "rocker-cam"])
 
 
