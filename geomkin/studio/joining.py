@@ -92,7 +92,7 @@ def _without_empty(table: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _new_name(noun: str, taken: Any) -> str:
-    """A name for a mechanism: parts of two are told apart, so that neither begins with the other and `_`."""
+    """A name for a mechanism: parts of two are told apart, so that neither starts with the other and `_`."""
     noun = noun.replace("_", "-")[:20]
     return next(name for k in count(1) if (name := noun if k == 1 else f"{noun}-{k}") not in taken)
 

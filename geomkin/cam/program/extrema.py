@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ...core.records import record
-from ...plane.vec import Real, first_largest
+from ...plane.vec import TIED, Real, first_largest
 
 # Samples in each stretch. A segment's law has at most one peak between two of them. Fewer may miss a peak; more take
 # proportionally longer.
@@ -47,6 +47,11 @@ def highest_between(low: Real, high: Real, f: Callable[[Real], Real]) -> tuple[R
 def _peak_bounds(places: Real, values: Real) -> tuple[Real, Real, Real]:
     """For each row of samples: an upper bound of its peak, and the samples before and after the highest one."""
     top = values.argmax(axis=1)[:, None]
+    most = np.take_along_axis(values, top, 1)
+    with np.errstate(invalid="ignore"):
+        tied = values >= most - TIED * np.abs(most)
+    # The first of equally high ones, so that all processors give the same.
+    top = np.where(tied.any(axis=1, keepdims=True), tied.argmax(axis=1)[:, None], top)
     sides = np.maximum(top - 1, 0), np.minimum(top + 1, places.shape[1] - 1)
     left, right = (np.take_along_axis(values, side, 1)[:, 0] for side in sides)
     # A parabola through three samples exceeds the middle one by at most an eighth of the drop to the sides; eight times
@@ -85,7 +90,9 @@ def largest(breaks: Real, f: Callable[[Real], Real]) -> tuple[float, float]:
     values = f(places)
     bounds, before, after = _peak_bounds(places, values)
     # Most stretches are clearly lower: only those that may hold the largest value are refined.
-    may = ~(bounds < values.max())
+    most = values.max()
+    with np.errstate(invalid="ignore"):
+        may = ~(bounds < most - TIED * np.abs(most))
     tops, where = refine_peak(before[may], after[may], f)
     return float(tops.max()), float(where[first_largest(tops)])
 
