@@ -107,7 +107,7 @@ def _in_sentences(texts: property) -> property:
 class Additions:
     """How tables are added to recipes of a kind, besides by the examples of their fields.
 
-    refused: keys of tables that no recipe of the kind can have.
+    refused: keys of tables that no recipe of the kind can have, and `key=kind` of those that it cannot have of a kind.
     """
 
     refused: tuple[str, ...] = ()

@@ -168,6 +168,7 @@ def choices(recipe: type, path: str = "", refused: Sequence[str] = ()) -> dict[s
         if str in declared.shape.options or key in refused:
             continue
         kinds = {kind_of(table): table for table in tables if kind_of(table)}
+        kinds = {kind: table for kind, table in kinds.items() if f"{key}={kind}" not in refused}
         is_shown = bool(declared.about.get("examples", [None])[0])
         if len(kinds) > 1:
             tables_by_key[key] = kinds

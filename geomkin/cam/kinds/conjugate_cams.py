@@ -27,7 +27,7 @@ from ..undercut import Undercut
 from .conjugate import MadeConjugateCams, SecondCam
 from .disk_cam import CamAdditions
 from .loads import LONGEST_ARROW
-from .positive import AbstractPositiveCamRecipe, PositiveLoadsAspect
+from .positive import FLAT_FOLLOWERS, AbstractPositiveCamRecipe, PositiveLoadsAspect
 
 # Checks of a single cam that hold for the second one too.
 OF_BOTH = ("pressure_angle_rise", "pressure_angle_return", "pitch_radius")
@@ -80,7 +80,7 @@ class ConjugateCamsRecipe(AbstractPositiveCamRecipe):
     """Two cams on one shaft that move one follower both ways: rollers on an arm or a yoke, motion, play, plates."""
 
     aspect_kinds: ClassVar[AspectKinds] = (ConjugateLoadsAspect,)
-    additions: ClassVar[Additions] = CamAdditions(refused=("loads.friction",))
+    additions: ClassVar[Additions] = CamAdditions(refused=("loads.friction", *FLAT_FOLLOWERS))
     kind: Literal["conjugate-cams"] = "conjugate-cams"
     second: SecondCam = entry("the second cam and the clearance of both", default=SecondCam())
 

@@ -6,7 +6,7 @@ from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from ...model.table import Column, Table
 from ...plane.curve import AbstractCurve
 from ...plane.flatten import flatten
 from ...plane.vec import Real
-from ...recipe.recipe import part_masses
+from ...recipe.recipe import Additions, part_masses
 from ..cam import Cam
 from ..checks import cam_table
 from ..followers.follower import FollowerPlate, Hole
@@ -31,7 +31,7 @@ from ..play import Wall, play_angles, roller_play
 from ..program.extrema import samples
 from ..scene import cam_scene, with_size_plot
 from ..undercut import Undercut, undercut
-from .disk_cam import AbstractCamRecipe
+from .disk_cam import AbstractCamRecipe, CamAdditions
 from .loads import CamLoadsAspect
 from .made import MadeCam
 
@@ -174,9 +174,15 @@ class PositiveLoadsAspect(CamLoadsAspect):
             yield replace(plot, limits=lines) if plot.columns == ("contact_force",) else plot
 
 
+# Walls move rollers only.
+FLAT_FOLLOWERS = ("cam.follower=translating-flat", "cam.follower=oscillating-flat")
+
+
 @record(kw_only=True)
 class AbstractPositiveCamRecipe(AbstractCamRecipe):
     """Base class of recipes of cams that move their follower both ways."""
+
+    additions: ClassVar[Additions] = CamAdditions(refused=FLAT_FOLLOWERS)
 
     def __post_init__(self) -> None:
         super().__post_init__()
