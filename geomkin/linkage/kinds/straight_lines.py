@@ -18,7 +18,7 @@ from ...model.check import Check
 from ...model.scene import Limit, Plot, Scene, SceneCurve, SceneHandle, point_handle
 from ...model.table import Column, Table
 from ...plane.primitives import Segment
-from ...plane.vec import dot
+from ...plane.vec import dot, rounded
 from ...recipe.settings import Stroke, Turn
 from ..linkage import Linkage
 from ..straightness import StraightPart, straight_part
@@ -26,6 +26,8 @@ from .aspects import AbstractLinkageAspect
 from .copies import is_whole_turn
 
 Angle = Annotated[float, between(-3600, 3600, "deg")]
+# Decimals of the distance from the line, mm: what follows is rounding noise of coordinates of 100 mm.
+DECIMALS = 9
 
 
 @record(checked=True)
@@ -144,7 +146,7 @@ class StraightLineAspect(AbstractLinkageAspect[StraightLineTable]):
         distance = dot(motion.point(self.point).position - part.start, 1j * part.direction)
         inside = (start - rounding <= drive) & (drive <= end + rounding)
         words = f"distance of {self.point} from its straight line, to the left, in the straight part"
-        yield Column(f"{self.point}_off_line", "mm", words, np.where(inside, distance, np.nan))
+        yield Column(f"{self.point}_off_line", "mm", words, np.where(inside, rounded(distance, DECIMALS), np.nan))
 
     def plots(self, table: Table) -> Iterator[Plot]:
         id, most = f"{self.point}_off_line", self.given.most_deviation
