@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import partial
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..model.motor import RotatingBody
 from ..plane.vec import Real, Whole, dot
 from .drive_limits import largest_between
 from .linkage import AbstractLinkage
-from .motion import Motion
+from .motion import Motion, unwrapped_deg
 from .named_linkages import FourBar, SliderCrank
 
 
@@ -201,6 +202,34 @@ def transmission_extreme(motion: Motion, sign: Literal[1, -1]) -> tuple[float, f
         to_limits=True,
     )
     return 0.0 if abs(value) < NO_ANGLE_DEG else sign * float(value), float(drive)
+
+
+# deg. A body that moves through less is at rest.
+AT_REST_DEG = 1e-6
+
+
+def swings(motion: Motion) -> dict[str, tuple[float, float]]:
+    """Least and largest direction, deg from +x, of each body that swings about a fixed pin, also between frames.
+
+    Of the driver, of a body that turns fully, and of a linkage that does not close everywhere there is none.
+    """
+    linkage, found = motion.linkage, {}
+    fixed = linkage.bodies[linkage.ground].keys() & linkage.pins.keys()
+    for name, points in linkage.bodies.items() if motion.assembled.all() else ():
+        angles = unwrapped_deg(motion.bodies[name].direction)
+        middle, extent = (angles.min() + angles.max()) / 2, np.ptp(angles)
+        if name in (linkage.ground, linkage.driver) or not points.keys() & fixed or not AT_REST_DEG < extent < 359:
+            continue
+        turned = np.exp(-1j * np.radians(middle))
+
+        def apart(moved: Motion, sign: int, name: str = name, turned: complex = turned) -> Real:
+            angle: Real = sign * np.angle(moved.bodies[name].direction * turned, deg=True)
+            return angle
+
+        ends = (sign * float(largest_between(motion, partial(apart, sign=sign))[0]) for sign in (-1, 1))
+        least, largest = (float(middle + end) for end in ends)
+        found[name] = (least, largest)
+    return found
 
 
 # Largest number of bodies whose lengths are listed.

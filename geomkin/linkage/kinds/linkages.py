@@ -8,7 +8,7 @@ from functools import cached_property, partial
 from typing import Any, ClassVar
 
 from ...core.errors import DesignError
-from ...core.fields import entry
+from ...core.fields import entry, to_digits
 from ...core.records import record
 from ...core.units import UNITS
 from ...gear.checks import mesh_checks
@@ -28,7 +28,7 @@ from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..joints.slide import are_equal
 from ..linkage import AbstractLinkage
-from ..measures import steady_bodies
+from ..measures import steady_bodies, swings
 from ..motion import motion_table
 from ..parts.counterweight_plates import RoundEnd
 from ..parts.flywheel import Flywheel
@@ -213,8 +213,22 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
     @property
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
         """Range of the driver and links that turn fully; masses and the stack of plates."""
-        before = {**self.made.reaches(self.made.branch), **self.turning}
+        found = {name: [to_digits(end, 10) for end in ends] for name, ends in self.swings.items()}
+        before = {**self.made.reaches(self.made.branch), **({"swings_deg": found} if found else {}), **self.turning}
         return before, {**mass_summary(self), "stack": self.made.stack_summary}
+
+    @cached_property
+    def swings(self) -> Mapping[str, tuple[float, float]]:
+        """Least and largest direction, deg, of each body that swings about a fixed pin."""
+        return swings(self.motion)
+
+    @property
+    def facts(self) -> tuple[str, ...]:
+        """How far bodies swing."""
+        return tuple(
+            f"{name.replace('_', ' ')} swings by {most - least:.5g} deg, from {least:.5g} to {most:.5g} deg"
+            for name, (least, most) in self.swings.items()
+        )
 
     @cached_property
     def rotating_bodies(self) -> Mapping[str, RotatingBody]:
