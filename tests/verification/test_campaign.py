@@ -55,10 +55,10 @@ def made_once(monkeypatch):
     """A recipe that was made again is kept, since most damages leave it as it is."""
     kept = {}
 
-    def computed(recipe, only):
-        key = (recipe.name, json.dumps(recipe.loaded_table, sort_keys=True, default=str), tuple(only or ()))
+    def computed(recipe, only=None, rows=()):
+        key = (recipe.name, json.dumps(recipe.loaded_table, sort_keys=True, default=str), tuple(only or ()), rows)
         if key not in kept:
-            kept[key] = build.computed(recipe, only)
+            kept[key] = build.computed(recipe, only, rows)
         return kept[key]
 
     monkeypatch.setattr(certificate, "computed", computed)
