@@ -176,6 +176,7 @@ def test_new_prints_a_recipe_of_the_gallery_by_its_name(name):
         ("hoeken", ["hoecken"]),
         ("straight line", ["hoecken", "peaucellier", "watt"]),
         ("../recipes/klann", ["klann"]),
+        ("gripper", ["parallel-gripper"]),
     ],
 )
 def test_a_name_that_is_no_kind_names_the_recipes_of_the_gallery_that_fit(name, recipes):
