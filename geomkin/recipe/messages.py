@@ -65,13 +65,13 @@ ALSO_KNOWN_AS = {
     "disk-cam": ("plate cam", "camshaft", "snail cam", "eccentric", "follower"),
     "slider-crank": ("piston", "engine", "crankshaft"),
     "inverted-slider-crank": ("oscillating cylinder",),
-    "stephenson-six-bar": ("6 bar", "six bar"),
-    "four-bar": ("4 bar", "crank rocker", "pumpjack", "pump jack", "ackermann", "steering"),
+    "watt-six-bar": ("6 bar",),
+    "four-bar": ("4 bar", "pumpjack", "pump jack", "ackermann", "steering"),
     "linkage": ("5 bar", "five bar", "8 bar", "eight bar", "bell crank"),
     "elliptic-trammel": ("ellipsograph", "trammel of archimedes", "tusi"),
     "fit-test": ("kerf", "tolerance coupon"),
     "lift-table": ("scissor", "lazy tong"),
-    "walker": ("strandbeest", "walking machine"),
+    "walker": ("strandbeest",),
     "peaucellier": ("hart",),
 }
 
