@@ -1,6 +1,7 @@
 """What the commands print and write of recipes that pass, fail a check, or cannot be made; each recipe once."""
 
 import pickle
+import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +16,7 @@ from geomkin.build import check_recipe
 from geomkin.core.errors import Problem
 from geomkin.recipe.kinds import kind_names
 from geomkin.recipe.load import plain_table
-from geomkin.recipe.messages import NOT_OFFERED, did_you_mean, nearest_kind
+from geomkin.recipe.messages import ALSO_KNOWN_AS, NOT_OFFERED, did_you_mean, nearest_kind
 
 GALLERY = Path(__file__).parent.parent / "recipes"
 PAIR = str(Path(__file__).parent / "cases/pair-without-backlash.toml")
@@ -176,6 +177,7 @@ def test_new_prints_a_recipe_of_the_gallery_by_its_name(name):
         ("hoeken", ["hoecken"]),
         ("straight line", ["hoecken", "peaucellier", "watt"]),
         ("../recipes/klann", ["klann"]),
+        ("gripper", ["parallel-gripper"]),
     ],
 )
 def test_a_name_that_is_no_kind_names_the_recipes_of_the_gallery_that_fit(name, recipes):
@@ -187,6 +189,28 @@ def test_a_name_that_is_no_kind_names_the_recipes_of_the_gallery_that_fit(name, 
 def test_mechanisms_that_are_not_planar_have_a_nearest_kind(name):
     nearest = nearest_kind(name, kind_names())
     assert any(kind in nearest for kind in kind_names())
+
+
+@pytest.mark.parametrize(
+    "name, meant",
+    [
+        ("timing-pulley", "belt-drive"), ("sprockets", "chain-drive"), ("epicyclic", "planetary"),
+        ("maltese-cross", "geneva"), ("cycloidal reducer", "cycloidal-drive"), ("gearbox", "gear-train"),
+        ("lazy tongs", "lift-table"), ("strandbeest", "walker"), ("5-bar", "linkage"), ("annulus", "ring-gear"),
+    ],
+)  # fmt: skip
+def test_a_name_that_people_search_for_answers_with_what_makes_it(command, name, meant):
+    code, _, wrong = command("new", name)
+    assert code == 2 and meant in wrong.partition("choose from")[0]
+
+
+def test_every_other_name_is_that_of_one_kind_or_recipe_and_of_nothing_else():
+    known = {*kind_names(), *(path.stem for path in GALLERY.glob("*.toml"))}
+    names = [name for names in ALSO_KNOWN_AS.values() for name in names]
+    assert set(ALSO_KNOWN_AS) <= known and len({*names}) == len(names) and not {*names} & known
+    for one, names in ALSO_KNOWN_AS.items():
+        for name in (*names, f"{names[0]}s".upper()):
+            assert {*re.findall(r"[\w-]+", nearest_kind(name, kind_names()))} & known == {one}
 
 
 @pytest.mark.parametrize("words", [("new", "worm-gear"), ("list", "worm gear")])

@@ -41,11 +41,39 @@ NOT_OFFERED = {
     **dict.fromkeys(("bevel", "hypoid", "crown", "miter", "mitre"), "gear-pair"),
     **dict.fromkeys(("screw", "leadscrew", "ballscrew", "nut"), "rack-and-pinion"),
     **dict.fromkeys(("v", "flat", "rope", "cable", "capstan", "ribbed"), "belt-drive"),
-    **dict.fromkeys(("maltese", "ratchet", "pawl", "escapement", "indexing"), "geneva, or disk-cam with dwells"),
+    **dict.fromkeys(("ratchet", "pawl", "escapement"), "geneva, or disk-cam with dwells"),
     **dict.fromkeys(("barrel", "cylindrical", "globoid"), "groove-cam"),
     **dict.fromkeys(("universal", "cardan", "hooke", "u", "cv"), "oldham-coupling"),
-    **dict.fromkeys(("delta", "hexapod", "stewart", "scara", "robot", "spherical", "flexure", "compliant"), "linkage"),
+    **dict.fromkeys(("delta", "hexapod", "stewart", "scara", "robot", "spherical", "flexure", "compliant", "sarrus"),
+                    "linkage"),
+    **dict.fromkeys(("wobble", "swash"), "slider-crank"),
+    **dict.fromkeys(("noncircular", "elliptical", "mutilated"), "gear-pair"),
 }  # fmt: skip
+
+# Other names of what a kind, or a recipe of the gallery, makes; of several in one name the first counts.
+ALSO_KNOWN_AS = {
+    "belt-drive": ("pulley", "timing belt", "toothed belt", "synchronous belt", "idler", "gt2", "htd"),
+    "chain-drive": ("sprocket", "roller chain", "bicycle chain", "bike chain", "derailleur"),
+    "planetary": ("epicyclic", "sun gear", "planet gear", "differential"),
+    "cycloidal-drive": ("cycloidal gear", "cycloidal reducer", "cycloidal gearbox", "cyclo"),
+    "rack-and-pinion": ("linear gear",),
+    "ring-gear": ("annulus",),
+    "lantern-gears": ("pin gear", "pin wheel", "cage gear"),
+    "gear-train": ("gearbox", "gear box", "reducer", "reduction", "compound gear", "motion work", "clockwork"),
+    "geneva": ("maltese", "indexer", "intermittent", "indexing"),
+    "groove-cam": ("face cam", "track cam", "box cam", "desmodromic"),
+    "disk-cam": ("plate cam", "camshaft", "snail cam", "eccentric", "follower"),
+    "slider-crank": ("piston", "engine", "crankshaft"),
+    "inverted-slider-crank": ("oscillating cylinder",),
+    "watt-six-bar": ("6 bar",),
+    "four-bar": ("4 bar", "pumpjack", "pump jack", "ackermann", "steering"),
+    "linkage": ("5 bar", "five bar", "8 bar", "eight bar", "bell crank"),
+    "elliptic-trammel": ("ellipsograph", "trammel of archimedes", "tusi"),
+    "fit-test": ("kerf", "tolerance coupon"),
+    "lift-table": ("scissor", "lazy tong"),
+    "walker": ("strandbeest",),
+    "peaucellier": ("hart",),
+}
 
 # Largest number of recipes of the gallery that a message names.
 MOST_RECIPES = 8
@@ -59,18 +87,27 @@ def nearest_kind(name: object, kinds: Iterable[str]) -> str:
     words = WORD.findall(name[:100].lower()) if isinstance(name, str) else []
     if not meant and (nearest := next((NOT_OFFERED[word] for word in words if word in NOT_OFFERED), "")):
         return f"geomkin makes planar mechanisms, but not this one; nearest to it is {nearest}; "
+    also = "" if meant else next((one for one, names in ALSO_KNOWN_AS.items() if _has_phrase(words, names)), "")
+    if also in kinds:
+        return f"did you mean {also}? "
     known = {file.removesuffix(".toml"): about.lower() for file, (_, about) in gallery()[1].items()}
 
     def is_meant(recipe: str) -> bool:
         """Whether the name has the recipe's, or is nearly it, or all its words describe the recipe."""
-        text = f"{recipe} {known[recipe]}"
-        is_described = all(word in text for word in words) or bool(did_you_mean(name, [recipe]))
-        return recipe in words or (is_described and not meant)
+        described = WORD.findall(f"{recipe} {known[recipe]}")
+        is_described = all(any(other.startswith(word) for other in described) for word in words)
+        return recipe in words or (not meant and (is_described or bool(did_you_mean(name, [recipe]))))
 
     named = [recipe for recipe in known if words and recipe not in kinds and is_meant(recipe)][:MOST_RECIPES]
+    named = [also] if also in known else named
     if named:
         return f"{meant}the gallery has {', '.join(named)}, which `geomkin new {named[0]}` prints; "
     return meant
+
+
+def _has_phrase(words: list[str], phrases: Iterable[str]) -> bool:
+    """Whether one of the phrases, or its plural, is among the words of a name."""
+    return any(re.search(rf"\b{phrase}s?\b", " ".join(words)) for phrase in phrases)
 
 
 def did_you_mean(name: object, known: Iterable[str]) -> str:

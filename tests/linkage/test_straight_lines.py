@@ -11,7 +11,7 @@ from geomkin.recipe.load import from_table
 from tests.gallery import RECIPES, recipe
 from tests.recipe.test_inches import in_inches
 
-NAMED = ["klann", "chebyshev", "hoecken", "peaucellier", "watt", "roberts", "evans"]
+NAMED = ["klann", "chebyshev", "hoecken", "peaucellier", "watt", "roberts", "evans", "parallel-gripper"]
 
 
 def narrowest_strip(z):
@@ -102,6 +102,7 @@ def test_the_column_is_the_distance_in_the_straight_part_only():
         ("hoecken", {"over_deg": [250, 110]}, "straight_line.over_deg"),
         ("hoecken", {"over_deg": [0, 361]}, "straight_line.over_deg"),
         ("watt", {"over_deg": [-50, -20]}, "straight_line.over_deg"),
+        ("parallel-gripper", {"over_deg": [0, 20]}, "straight_line.over_deg"),
         ("hoecken", {"point": "crank_pivot"}, "straight_line.point"),
     ],
 )

@@ -3,6 +3,7 @@
 from collections import Counter
 from itertools import combinations
 from pathlib import Path
+from string import ascii_uppercase
 
 import numpy as np
 import pytest
@@ -10,10 +11,12 @@ import shapely
 import shapely.affinity
 
 import geomkin as gk
+from geomkin.export.lettering import lettered
+from geomkin.plane.primitives import Circle, Polyline
 from tests.campaign import by_default
 from tests.gear.test_parts_mates import LANTERN
 from tests.making.test_bases import PAIR, PLANETARY, RACK
-from tests.making.virtual import read
+from tests.making.virtual import Piece, engraved, read
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 # A motor over a base, for which the gallery has no recipe.
@@ -207,3 +210,14 @@ def test_lettered_holes_are_as_far_apart_as_the_mechanism_works(name, made):
             ring = [z for z in around if abs(abs(z - middle_of) - 68.5) < 2]
             patterns.append(sorted(abs(a - b) for a, b in combinations(ring, 2)))
         assert len(patterns[0]) == 15 and patterns[0] == pytest.approx(patterns[1], abs=2e-3)
+
+
+@pytest.mark.parametrize("names", [ascii_uppercase[:13], [*ascii_uppercase[13:], "MN"]], ids=["A to M", "N to Z"])
+def test_every_letter_at_a_hole_is_read_as_itself(names):
+    """A linkage of 14 pins has an N; a pair of letters is at a slot of two pins."""
+    plate, hole = Polyline(np.array([-8 - 8j, 8 - 8j, 8 + 8j, -8 + 8j])), (Circle(0j, 2.0),)
+    for name in names:
+        _, strokes = lettered(gk.Part("x", plate, hole, 3.0, hole_names=(name,)), 1)
+        (title,) = engraved(list(strokes), "x")
+        left = [line for line in strokes if not any(line is one for one in title)]
+        assert Piece(shapely.box(-8, -8, 8, 8), [(0j, 4.0)], strokes=left).lettered == {letter: [0] for letter in name}

@@ -4,6 +4,7 @@ import csv
 import json
 from dataclasses import dataclass, field
 from functools import cache
+from string import ascii_uppercase
 
 import ezdxf
 import numpy as np
@@ -41,7 +42,7 @@ class Piece:
     def letters(self):
         """Single letters in the smallest height, with their places; the most strokes first, as an E holds an F."""
         left = list(self.strokes)
-        for letter in sorted("ABCDEFGHIJKLM", key=lambda sign: -len(strokes(sign))):
+        for letter in sorted(ascii_uppercase, key=lambda sign: -len(strokes(sign))):
             for laid in list(engraved(left, letter, HEIGHTS[-1:])):
                 if all(any(same(one, line) for line in left) for one in laid):
                     left = [line for line in left if not any(same(one, line) for one in laid)]
