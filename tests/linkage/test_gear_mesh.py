@@ -83,6 +83,23 @@ def test_forces_balance_on_each_body_and_in_power(idler):
         assert np.abs(analysis.pin("I", "idler")) == pytest.approx(2 * np.abs(tooth))
 
 
+def test_teeth_press_the_gears_apart_on_their_pivots():
+    """The load acts on the second crank alone: on the second gear act its pivot, the load and the teeth, at 20 deg."""
+    motion = gk.move(five_bar((36, 18), **PLACE), TURN)
+    second, load = motion.point("C").position, 7 - 2j
+    loads = gk.Loads(forces=[gk.Force("other_crank", "D", load)])
+    analysis, apart = gk.forces(motion, loads), np.exp(1j * np.radians(20))
+    torque = (np.conj(motion.point("D").position - second) * load).imag
+    tooth = torque / (80 * 18 / 54)
+    teeth = 1j * apart * tooth + np.abs(tooth) * np.tan(np.radians(20)) * apart
+    assert analysis.mesh("gears") == pytest.approx(tooth)
+    assert analysis.pin("C", "other_crank") == pytest.approx(-load - teeth)
+    # The crank carries nothing but the opposite force.
+    assert analysis.pin("O", "crank") == pytest.approx(teeth)
+    for body, _, force, _ in motion.linkage.meshes[0].forces(analysis, analysis.wrenches):
+        assert force == pytest.approx(teeth if body == "other_crank" else -teeth)
+
+
 @pytest.mark.parametrize(("size", "step"), [("gears.angle_deg", np.degrees(1e-6)), ("ground.C.x", 1e-5)])
 def test_derivatives_by_sizes_agree_with_central_differences(size, step):
     linkage = five_bar((40, 20), **PLACE)

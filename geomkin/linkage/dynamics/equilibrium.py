@@ -142,8 +142,9 @@ class Equilibrium:
 
     @cached_property
     def dry_friction(self) -> list[DryFriction]:
-        """Dry friction of each pair of bodies that rub; the directions of the relative motions are known."""
-        motion, terms = self.wrenches.motion, list[DryFriction]()
+        """Dry friction of each pair of bodies that rub, whose relative motions are known, and what parts gears."""
+        motion = self.wrenches.motion
+        terms = [DryFriction(self.joints[mesh], mesh.separating(self), 0.0) for mesh in motion.linkage.meshes]
         turning: Real = np.max([np.abs(body.first) for body in motion.bodies.values()], axis=0)
         for friction in self.frictions:
             if isinstance(friction, PinFriction):

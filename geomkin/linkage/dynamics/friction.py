@@ -129,12 +129,13 @@ class DryFriction:
     Parameters
     ----------
     column : int
-        First of the two unknowns that it depends on: a pin's force, or a slide's normal force and moment.
+        First of the two unknowns that it depends on: a pin's force, a slide's normal force and moment, or the force of
+        teeth alone.
     effect : Effect
         Its effect per unit of the joint's load: against the relative motion, 0 at relative rest.
     moment_share : float, optional
-        For a slide: size of the load per unit of the moment's unknown. None for a pin, whose load is the length of its
-        force.
+        For a slide: size of the load per unit of the moment's unknown, 0 for teeth. None for a pin, whose load is the
+        length of its force.
     """
 
     column: int

@@ -27,6 +27,8 @@ from .joint import (
 )
 
 TEETH = 6, 1000
+# Force along the line of the centres by that along the pitch circles; the gears are cut with this pressure angle.
+SEPARATION = float(np.tan(np.radians(20)))
 Teeth = Annotated[
     tuple[int, int],
     ArgumentType(
@@ -65,8 +67,9 @@ class GearMesh(AbstractJoint):
 
     Notes
     -----
-    In equilibrium the teeth press at the pitch point along the pitch circles. The part of their force along the line of
-    the centres, tan 20 deg of it, presses on the two pivots alone; the forces there are without it.
+    In equilibrium the teeth press at the pitch point along the pitch circles, and with tan 20 deg of that force along
+    the line of the centres, which presses the gears apart and so on their pivots. Friction of the teeth is not
+    computed.
 
     Examples
     --------
@@ -162,16 +165,26 @@ class GearMesh(AbstractJoint):
 
     def effects(self, equilibrium: EquilibriumOfJoint) -> Iterator[Effect]:
         """The tangential force on the second body."""
+        yield self._effect(equilibrium, 1.0)
+
+    def separating(self, equilibrium: EquilibriumOfJoint) -> Effect:
+        """What presses the gears apart, per unit of the size of the tangential force."""
+        return self._effect(equilibrium, -1j * SEPARATION)
+
+    def _effect(self, equilibrium: EquilibriumOfJoint, force: complex) -> Effect:
+        """Effect of a force on the second body, relative to the direction of the pitch circles, and of its reaction."""
         wrenches = equilibrium.wrenches
         (first, second), along = self._places(wrenches.motion)
         one, two = self.bodies
-        force = equilibrium.force(two, wrenches.arm(two, second), along)
-        yield [*force, *equilibrium.force(one, wrenches.arm(one, first), -along)]
+        on_second = equilibrium.force(two, wrenches.arm(two, second), force * along)
+        return [*on_second, *equilibrium.force(one, wrenches.arm(one, first), -force * along)]
 
     def forces(self, analysis: ForcesOfJoint, wrenches: WrenchesOfJoint) -> Iterator[JointForce]:
         places, along = self._places(analysis.motion)
+        tooth = analysis.mesh(self.name)
+        force = (tooth - 1j * SEPARATION * np.abs(tooth)) * along
         for body, place, sign in zip(self.bodies, places, (-1, 1)):
-            yield body, place, sign * analysis.mesh(self.name) * along, np.zeros(())
+            yield body, place, sign * force, np.zeros(())
 
     def force_columns(self, analysis: ForcesOfJoint) -> Iterator[Column]:
         meaning = f"force of the teeth of {self.name} on {self.bodies[1]} along the pitch circles"
