@@ -217,7 +217,8 @@ def studio(recipe: Path | None, port: int, no_browser: bool) -> None:
     import webbrowser
     from contextlib import suppress
 
-    from ..studio.server import NOBODY, Studio, StudioServer, kept_token
+    from ..studio.server import NOBODY, StudioServer, kept_token
+    from ..studio.service import Studio
     from ..studio.workspace import Workspace
 
     # A server runs for long: it must handle Ctrl-C itself and free its memory.

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import json
-import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
-from typing import Any, NamedTuple, TypeGuard
+from typing import Any
 
 import numpy as np
 
 from ..build import errors_named_by_key
-from ..core.dotted_keys import key_parts
-from ..core.errors import DesignError, GeomkinError, Problem, RecipeError, harmless, printable, shown
-from ..core.field_visitor import Number
-from ..core.fields import FARTHEST
+from ..core.errors import DesignError, FileError, GeomkinError, Problem, RecipeError, harmless, shown
 from ..core.units import MM, UNITS
 from ..export.still import kept_frames
 from ..export.summary import as_json
@@ -23,235 +19,18 @@ from ..model.check import Check
 from ..model.explanations import explained_check
 from ..model.scene import SceneHandle
 from ..page.page import scene_data
-from ..plane.vec import Array, Complex, Real
-from ..recipe.keys import edited_text, with_added, with_values
-from ..recipe.lengths import shown_numbers
-from ..recipe.load import from_table, whole_table
+from ..plane.vec import Complex, Real
+from ..recipe.keys import edited_text, with_added
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.shown import ShownRecipe
-from ..recipe.toml import parsed
 from .additions import addition
-from .building import (
-    LinkageText,
-    advice,
-    drawn,
-    is_unfinished,
-    plain,
-    point_handles,
-    structure_at,
-    structure_data,
-    unfinished,
-)
+from .building import built, plain
+from .drafts import Draft, flat, read
+from .dragging import dragged, is_locked, plot_factors
 from .joining import joined, shafts
 from .lengths import dimensions, resized
 from .strokes import drawn_recipe
-
-# Largest number of values that are tried in one drag: each takes a motion of the mechanism.
-MOST_TRIALS = 40
-# Distance from the pointer, in pixels, at which a handle is under it; rounding of the values adds up to one more.
-UNDER_POINTER = 0.05
-# Pixels by which the pointer is beyond a change point before a handle crosses it.
-DETENT = 25.0
-# Movement, in pixels, below which a step of the search is not tried.
-NOTHING = 0.05
-# Change for a derivative, as a share of the largest value of the keys.
-CHANGE = 1e-6
-# Pixels that a snapped value may be away from the pointer: a round step is chosen below this.
-SNAP = 20
-
-
-class Dragged(NamedTuple):
-    """The new values by key, and why the handle did not reach the pointer; "" if it did or its keys cannot do more."""
-
-    changes: dict[str, float | int]
-    reason: str
-
-
-class _Outcome(NamedTuple):
-    """Distance from the pointer in pixels, as one or two numbers, or the reason for a refusal."""
-
-    residual: Real
-    reason: str
-
-
-def is_locked(key: str, locks: Collection[str]) -> bool:
-    """Whether a key or a table that contains it is locked."""
-    return any(key == lock or key.startswith((f"{lock}.", f"{lock}[")) for lock in locks)
-
-
-def drag(
-    opened: Callable[[Mapping[str, float | int]], AbstractRecipe],
-    known_numbers: Iterable[Number],
-    handle: SceneHandle,
-    frame: int,
-    to: complex,
-    step: tuple[float, float],
-    locks: Collection[str] = (),
-    snap: bool = False,
-) -> Dragged:
-    """Solve for the unlocked keys of a handle so that it follows the pointer, starting at their values.
-
-    A damped least-squares iteration (Levenberg and Marquardt) on the recipe's own motion at one frame. Values that the
-    recipe refuses are not taken, so the handle stops at a limit. It also stops where the mechanism could no longer be
-    assembled at other frames, until the pointer is `DETENT` pixels beyond: then a four-bar gets another Grashof type.
-
-    Parameters
-    ----------
-    opened : callable
-        The recipe with other values, by key; raises GeomkinError for values that it refuses.
-    known_numbers : iterable of Number
-        The numbers of the recipe before the drag, as its text states them.
-    handle : SceneHandle
-        One of its handles.
-    frame : int
-        Frame of the scene at which the handle is dragged.
-    to : complex
-        Position of the pointer, mm or in units of the plot.
-    step : (float, float)
-        Size of one pixel in x and y.
-    locks : collection of str
-        Keys and tables that may not change.
-    snap : bool
-        Whether values are rounded to a coarse step.
-
-    Returns
-    -------
-    Dragged
-    """
-    numbers = [n for n in known_numbers if {n.field, n.key} & set(handle.keys)]
-    free = [n for n in numbers if not is_locked(n.key, locks)]
-    if not free or (handle.is_one_value and len(free) < len(numbers)):
-        return Dragged({}, "all keys of this handle are locked")
-    # Numbers that have one value are changed together.
-    groups = [free] if handle.is_one_value else [[n] for n in free]
-    start = np.array([float(group[0].value) for group in groups])
-    whole = np.array([isinstance(group[0].value, int) for group in groups])
-    known = np.isfinite(handle.at)
-
-    def tried(values: Array, is_strict: bool = True) -> _Outcome:
-        nothing = np.full(1, np.inf)
-        try:
-            changed = opened(_as_changes(groups, values))
-            moved, radius = changed.handle_position(handle.id), 0.0
-            if handle.shape == "circle":
-                radius = next(h.radius for h in changed.handles if h.id == handle.id)
-        except RecipeError as error:
-            return _Outcome(nothing, f"{error.problems[0].key}: {error.problems[0].problem}")
-        except GeomkinError as error:
-            return _Outcome(nothing, str(error))
-        if not np.isfinite(moved[min(frame, len(moved) - 1)]):
-            return _Outcome(nothing, "with more the mechanism could not be assembled in this position")
-        if is_strict and len(moved) == len(known) and not np.isfinite(moved[known]).all():
-            return _Outcome(nothing, "with more it cannot be assembled in all its positions; drag on to cross")
-        away = complex(moved[min(frame, len(moved) - 1)]) - to
-        if handle.shape == "circle":
-            return _Outcome(np.array([(abs(away) - radius) / step[0]]), "")
-        return _Outcome(np.array([away.real / step[0], away.imag / step[1]]), "")
-
-    if not known[min(frame, len(known) - 1)]:
-        return Dragged({}, "the mechanism cannot be assembled in this position")
-    accepted: Callable[[Array], _Outcome] = tried
-    best, residual, reason, slopes = _solved(accepted, start, whole)
-    if reason and np.linalg.norm(residual) > DETENT:
-        accepted = partial(tried, is_strict=False)
-        best, residual, reason, slopes = _solved(accepted, start, whole)
-    values = _rounded(accepted, start, best, residual, whole, slopes, snap)
-    changes = _as_changes([group for group, v, old in zip(groups, values, start) if v != old], values[values != start])
-    return Dragged(changes, reason)
-
-
-def _solved(tried: Callable[[Array], _Outcome], start: Array, whole: Array) -> tuple[Array, Real, str, Real]:
-    """The best values, their distance from the pointer, the last refusal on the way, and the slopes of the distance."""
-    values, (residual, reason) = start, tried(start)
-    if reason:
-        return start, residual, reason, np.zeros(len(start))
-    slopes: Real = np.zeros((len(residual), len(start)))
-    # room: the longest step, in pixels; halved from a refusal on, which finds the limit by bisection.
-    damping, room, trials = 0.0, np.inf, 0
-    reason, is_new = "", True
-    last: Array = np.zeros(len(start))
-    while np.linalg.norm(residual) > UNDER_POINTER and trials < MOST_TRIALS:
-        if is_new:
-            slopes = _slopes(tried, values, residual, whole)
-            trials += len(start)
-            square = slopes.T @ slopes
-            damping = max(damping, 1e-8 * float(np.trace(square)))
-            if damping == 0:
-                break
-        change = -np.linalg.solve(square + damping * np.eye(len(start)), slopes.T @ residual)
-        # A pointer outside a circle on which the handle moves makes steps too long by the ratio of the distances.
-        change *= 0.5 if change @ last < 0 else 1.0
-        change *= min(1.0, room / max(float(np.linalg.norm(slopes @ change)), NOTHING))
-        trial = np.where(whole, np.rint(values + change), values + change)
-        movement = float(np.linalg.norm(slopes @ (trial - values)))
-        if movement < NOTHING:
-            break
-        trials += 1
-        outcome = tried(trial)
-        room = 0.5 * movement if outcome.reason else 0.5 * room
-        is_new = not outcome.reason and np.linalg.norm(outcome.residual) < np.linalg.norm(residual)
-        if is_new:
-            # Slow progress is a minimum that the keys cannot leave.
-            slow = np.linalg.norm(outcome.residual) > (1 - 1e-5) * np.linalg.norm(residual) and room == np.inf
-            values, residual, damping, last = trial, outcome.residual, 0.01 * damping, change
-            if slow:
-                break
-        elif not outcome.reason:
-            damping = 10 * damping if damping > 1e-4 * np.trace(square) else 1e-3 * float(np.trace(square))
-        reason = outcome.reason or reason
-    if np.linalg.norm(residual) <= UNDER_POINTER:
-        reason = ""
-    return values, residual, reason, np.linalg.norm(slopes, axis=0)
-
-
-def _slopes(tried: Callable[[Array], _Outcome], values: Array, residual: Real, whole: Array) -> Real:
-    """Derivatives of the distance in pixels by each value; of whole numbers per 1; 0 where both sides are refused."""
-    size = CHANGE * max(float(np.abs(values).max()), 1e-3)
-    slopes = np.zeros((len(residual), len(values)))
-    for k in range(len(values)):
-        for change in (1.0, -1.0) if whole[k] else (size, -size):
-            shifted = values.copy()
-            shifted[k] += change
-            outcome = tried(shifted)
-            if not outcome.reason:
-                slopes[:, k] = (outcome.residual - residual) / change
-                break
-    return slopes
-
-
-def _rounded(
-    tried: Callable[[Array], _Outcome],
-    start: Array,
-    values: Array,
-    residual: Real,
-    whole: Array,
-    slopes: Real,
-    snap: bool,
-) -> Array:
-    """The values with as many digits as a pixel resolves, or in round steps, as far as the recipe takes them."""
-    rounded, inside = values.copy(), values.copy()
-    for k in np.flatnonzero((values != start) & ~whole & (slopes > 0)):
-        # Rounding moves the handle by half a pixel at most, shared by all keys.
-        resolution = (SNAP if snap else 1.0) / slopes[k] / len(values)
-        decimals = -int(np.floor(np.log10(resolution)))
-        unit = 10.0**-decimals
-        if snap:
-            unit *= max(step for step in (1, 2, 5) if step * unit <= max(resolution, unit))
-        rounded[k] = float(f"{np.rint(values[k] / unit) * unit:.{max(decimals, 0)}f}")
-        # At a limit, the next round value on the near side.
-        inward = np.floor if values[k] > start[k] else np.ceil
-        inside[k] = float(f"{inward(values[k] / unit) * unit:.{max(decimals, 0)}f}")
-    return next((row for row in (rounded, inside) if not tried(row).reason), values)
-
-
-def _as_changes(groups: Sequence[Sequence[Number]], values: Array) -> dict[str, float | int]:
-    """Values by key as a recipe states them: whole numbers without a point."""
-    return {
-        n.key: int(v) if isinstance(n.value, int) or (v.is_integer() and abs(v) < 2**53) else v
-        for group, v in zip(groups, map(float, values))
-        for n in group
-    }
-
+from .structure import advice, drawn, is_unfinished, point_handles, structure_at, structure_data, unfinished
 
 # Where keys begin of which some may be missing or wrong while a linkage is built.
 BUILT = ("linkage", "stroke", "branch")
@@ -259,41 +38,7 @@ BUILT = ("linkage", "stroke", "branch")
 DRAWN = ("impossible-geometry", "does-not-assemble")
 # Digits of positions of handles: a millionth of their size is far below a pixel.
 DIGITS = 7
-# The key of an item of a list.
-ITEM = re.compile(r"(.+)\[(\d+)\]")
 Answer = dict[str, Any]
-
-
-class Draft:
-    """A recipe's text that is being edited, and the texts of the files that it names.
-
-    Parameters
-    ----------
-    text : str
-        TOML; it may be wrong.
-    files : mapping of str to str
-        Texts of files by their names in the recipe.
-    name : str
-        Name of the recipe.
-    """
-
-    def __init__(self, text: str, files: Mapping[str, str], name: str = ""):
-        self.text, self.files, self.name = text, files, name
-
-    def table(self) -> dict[str, Any]:
-        """The parsed text; raises RecipeError."""
-        return parsed(self.text.replace("\r\n", "\n"))
-
-    def opened(self, table: Mapping[str, Any]) -> AbstractRecipe:
-        """The recipe in a table; raises RecipeError."""
-        recipe = from_table(table, "recipe", self.files)
-        return recipe.with_name(self.name) if self.name else recipe
-
-    def as_written(self, table: Mapping[str, Any], recipe: AbstractRecipe) -> AbstractRecipe:
-        """The recipe with the sizes that the text states, before its `scale` multiplies them."""
-        if "scale" not in table or not recipe.can_be_scaled:
-            return recipe
-        return self.opened({key: value for key, value in table.items() if key != "scale"})
 
 
 def answer(
@@ -301,7 +46,7 @@ def answer(
     files: Mapping[str, str],
     request: Mapping[str, Any],
     name: str = "",
-    opened: Callable[[Draft], AbstractRecipe] | None = None,
+    reader: Callable[[Draft], AbstractRecipe] = read,
 ) -> Answer:
     """Apply one change to a recipe's text and compute what an editor shows.
 
@@ -321,8 +66,8 @@ def answer(
         `locks`, keys that a drag may not change; `lane`, "scene" or "checks".
     name : str
         Name of the recipe, by default its kind.
-    opened : callable, optional
-        Gives the recipe of a draft; by default it is read anew. A caller may keep the last one.
+    reader : callable
+        Gives the recipe of a draft; by default it is read anew. A caller may keep the last ones.
 
     Returns
     -------
@@ -340,11 +85,12 @@ def answer(
     >>> answer(text, {}, {"set": {"linkage.rocker": 75}})["text"].splitlines()[-1]
     'rocker = 75  # output'
     """
-    reply = _replied(Draft(text, files, name), request, opened)
+    draft = Draft(text, files, name, reader)
+    reply = _replied(draft, request)
     if reply["problems"] and (request.get("drag") or request.get("join")):
         # The plates, which a drag does not compute, are impossible there, or the mechanism is on this shaft: it stops
         # where it was.
-        before = _replied(Draft(text, files, name), {**request, "drag": None, "join": None}, opened)
+        before = _replied(draft, {**request, "drag": None, "join": None})
         if not before["problems"]:
             problem = reply["problems"][0]
             reason = f"{problem['key']}: {problem['problem']}; {problem['remedy']}"
@@ -352,23 +98,23 @@ def answer(
     return reply
 
 
-def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft], AbstractRecipe] | None) -> Answer:
-    text, name = draft.text, draft.name
+def _replied(draft: Draft, request: Mapping[str, Any]) -> Answer:
     reply: Answer = {
-        "text": text, "kind": "", "name": name, "scene": None, "handles": [], "values": {}, "problems": [],
+        "text": draft.text, "kind": "", "name": draft.name, "scene": None, "handles": [], "values": {}, "problems": [],
         "limit": None, "search": False, "unavailable": [], "quantities": [], "checks": None, "candidates": None,
         "parts": None, "preview": None, "structure": None, "unfinished": "",
         "shafts": [], "dimensions": [],
     }  # fmt: skip
     try:
-        _edit(draft, request, reply)
-        table = draft.table()
-        kind = table.get("kind")
+        for edited in (_set, _by_hand, _drag):
+            draft = edited(draft, request, reply)
+            reply["text"] = draft.text
+        kind = draft.table.get("kind")
         reply["kind"] = kind if isinstance(kind, str) else ""
-        recipe = opened(draft) if opened else draft.opened(table)
+        recipe = draft.recipe
         reply["search"] = isinstance(recipe, AbstractGoal)
         reply["unavailable"] = [*recipe.additions.unavailable(recipe)]
-        reply["values"] = _values(draft.as_written(table, recipe))
+        reply["values"] = draft.values
         with errors_named_by_key("recipe", recipe):
             is_scene = request.get("lane") != "checks"
             (_scene if is_scene else _checks)(recipe, request.get("locks") or (), reply)
@@ -379,12 +125,8 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
             if isinstance(recipe, AbstractLinkageRecipe) and is_scene:
                 reply["structure"] = structure_data(structure_at(recipe, 0))
                 reply["dimensions"] = dimensions(recipe.linkage.linkage)
-    except RecipeError as error:
-        reply["problems"] = [problem.to_dict() for problem in error.problems]
-    except DesignError as error:
-        reply["problems"] = [error.as_problem.to_dict()]
     except GeomkinError as error:
-        reply["problems"] = [Problem("", str(error), "").to_dict()]
+        reply["problems"] = problems_of(error)
     except (MemoryError, RecursionError):
         problem = Problem("", "it takes too much memory", "give smaller numbers", "too-much-work")
         reply["problems"] = [problem.to_dict()]
@@ -394,31 +136,63 @@ def _replied(draft: Draft, request: Mapping[str, Any], opened: Callable[[Draft],
     return reply
 
 
-def _edit(draft: Draft, request: Mapping[str, Any], reply: Answer) -> None:
-    """Change the text as requested; of an edit by hand that is impossible report why."""
-    locks = request.get("locks") or ()
-    if changes := request.get("set"):
-        draft.text = edited_text(draft.text, _with_whole_lists(draft, changes))
-    if key := request.get("add"):
-        _add(draft, key, reply)
-    by_hand: Mapping[str, Callable[[Draft, Any], str]]
-    by_hand = {"build": built, "draw": _drawn, "join": _joined, "length": partial(with_length, locks=locks)}
-    for name, edited in by_hand.items():
+def problems_of(error: GeomkinError) -> list[dict[str, str | float]]:
+    """The problems of an error as plain values."""
+    match error:
+        case RecipeError():
+            problems = list(error.problems)
+        case DesignError():
+            problems = [error.as_problem]
+        case FileError():
+            problems = [Problem("", f"{error.file} {error.problem}", error.remedy, error.id)]
+        case _:
+            problems = [Problem("", str(error), "")]
+    return [problem.to_dict() for problem in problems]
+
+
+# --- changes of the text: each from a draft to the draft after it -----------------------------------------------------
+
+
+def _set(draft: Draft, request: Mapping[str, Any], reply: Answer) -> Draft:
+    changes = request.get("set")
+    return draft.with_changes(draft.whole_lists(changes)) if changes else draft
+
+
+def _by_hand(draft: Draft, request: Mapping[str, Any], reply: Answer) -> Draft:
+    """The draft after an edit by hand; if it is impossible, `limit` states why."""
+    edits: Mapping[str, Callable[[Draft, Any], str]] = {
+        "add": _added,
+        "build": built,
+        "draw": _drawn,
+        "join": joined,
+        "length": partial(with_length, locks=request.get("locks") or ()),
+    }
+    for name, edited in edits.items():
         if wanted := request.get(name):
             try:
-                draft.text = edited(draft, wanted)
-            except DesignError as error:
-                reply["limit"] = {"keys": [], "reason": harmless(f"{error.problem}; {error.remedy}")}
-    reply["text"] = draft.text
-    if request.get("drag"):
-        _drag(draft, request["drag"], locks, reply)
-        draft.text = reply["text"]
+                draft = draft.with_text(edited(draft, wanted))
+            except (DesignError, RecipeError) as error:
+                problem = problems_of(error)[0]
+                keys = [problem["key"]] if name == "add" else []
+                reply["limit"] = {"keys": keys, "reason": harmless(f"{problem['problem']}; {problem['remedy']}")}
+    return draft
 
 
-def _joined(draft: Draft, wanted: Mapping[str, Any]) -> str:
-    """The text of a machine with another mechanism on a shaft."""
-    table = draft.table()
-    return joined(draft.text, table, draft.name, draft.opened(table), wanted)
+def _drag(draft: Draft, request: Mapping[str, Any], reply: Answer) -> Draft:
+    if not request.get("drag"):
+        return draft
+    text, limit = dragged(draft, request["drag"], request.get("locks") or ())
+    reply["limit"] = limit or reply["limit"]
+    return draft.with_text(text)
+
+
+def _added(draft: Draft, key: Any) -> str:
+    """The text with another table or item of a list."""
+    if not isinstance(key, str):
+        raise DesignError("add", f"found {shown(key)}", "give a key", "wrong-type")
+    with errors_named_by_key("recipe", draft.written):
+        changes = addition(draft.written, key, lambda changes: draft.opened(with_added(draft.table, changes)))
+    return edited_text(draft.text, changes)
 
 
 def with_length(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str] = ()) -> str:
@@ -426,22 +200,34 @@ def with_length(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str] 
 
     wanted: `body`, `from` and `to`, as in `dimensions` of an answer, and `length` in the unit of the recipe.
     """
-    table = draft.table()
-    recipe = draft.as_written(table, draft.opened(table))
-    unit, length = UNITS[recipe.units], wanted.get("length")
+    recipe, unit, length = draft.written, draft.unit, wanted.get("length")
     if not isinstance(recipe, AbstractLinkageRecipe):
         raise DesignError("length", "this is no linkage", "give the sizes in the form", "conflict")
     if isinstance(length, int | float) and not isinstance(length, bool):
-        length = unit.in_mm(length / table.get("scale", 1.0), "mm")
+        length = unit.in_mm(length / draft.scale, "mm")
     sizes = resized(recipe.linkage, wanted, length, lambda key: is_locked(f"linkage.{key}", locks))
     changes = {f"linkage.{key}": plain(unit.in_digits(size, "mm")) for key, size in sizes.items()}
-    return edited_text(draft.text, _whole_lists(changes, table, _values(recipe)))
+    return edited_text(draft.text, draft.whole_lists(changes))
+
+
+def _drawn(draft: Draft, stroke: Mapping[str, Any]) -> str:
+    """The text of a recipe that follows a stroke."""
+    try:
+        table = draft.table
+    except GeomkinError:
+        table = {}
+    kind, units = table.get("kind"), table.get("units")
+    known = units if isinstance(units, str) and units in UNITS else MM.name
+    return drawn_recipe(draft.text, str(kind), known, stroke.get("points"), stroke.get("bars", 6))
+
+
+# --- what is shown ----------------------------------------------------------------------------------------------------
 
 
 def _unfinished(draft: Draft, request: Mapping[str, Any], reply: Answer) -> None:
     """Show a linkage that is still built as it is drawn; what it lacks is no problem."""
     try:
-        table = draft.table()
+        table = draft.table
     except GeomkinError:
         return
     structure = unfinished(table)
@@ -451,14 +237,13 @@ def _unfinished(draft: Draft, request: Mapping[str, Any], reply: Answer) -> None
     # Sizes that do not fit are shown by the gap, unless they were drawn.
     if not (is_open or (request.get("build") and reply["problems"][0]["id"] in DRAWN)):
         return
-    values = dict(_flat(table, ""))
+    values = flat(table)
     if any(not problem["key"].startswith(BUILT) for problem in reply["problems"]) or not _is_json(values):
         return
-    scale, unit = float(table.get("scale", 1.0)), UNITS[table.get("units", "mm")]
     name, is_check = draft.name or "linkage", request.get("lane") == "checks"
     try:
-        handles = [_handle(handle, (), 1.0, 1.0) for handle in point_handles(structure, scale)]
-        scene = None if is_check else scene_data(drawn(structure, scale), name, unit)
+        handles = [_handle(handle, (), 1.0, 1.0) for handle in point_handles(structure, draft.scale)]
+        scene = None if is_check else scene_data(drawn(structure, draft.scale), name, draft.unit)
     except DesignError:
         # It is too large to be drawn.
         return
@@ -473,187 +258,6 @@ def _unfinished(draft: Draft, request: Mapping[str, Any], reply: Answer) -> None
         reply["quantities"] = [{"id": "", "label": "degrees of freedom", "text": str(structure.freedom)}]
 
 
-def _drawn(draft: Draft, stroke: Mapping[str, Any]) -> str:
-    """The text of a recipe that follows a stroke."""
-    try:
-        table = draft.table()
-    except GeomkinError:
-        table = {}
-    kind, units = table.get("kind"), table.get("units")
-    known = units if isinstance(units, str) and units in UNITS else MM.name
-    return drawn_recipe(draft.text, str(kind), known, stroke.get("points"), stroke.get("bars", 6))
-
-
-def built(draft: Draft, edit: Mapping[str, Any]) -> str:
-    """The text of a linkage after an edit by hand, such as a dyad on two of its points.
-
-    Parameters
-    ----------
-    draft : Draft
-        The recipe of any linkage, or a text with bodies that are no linkage yet.
-    edit : mapping
-        `do`, a name in `geomkin.studio.building.EDITS`, with `on`, its clicks: each a mapping with `at`, [x, y] in mm,
-        and `point`, `body` or `slide`, the name of what is there; `frame`, the position of the linkage in which they
-        are meant, and `step`, the size of a pixel in mm, to which new places are rounded. Or "rename", `old` and `new`.
-
-    Returns
-    -------
-    str
-        The new text, of kind "linkage". A mechanism that moves still passes through the position that was shown.
-
-    Raises
-    ------
-    DesignError
-        If the recipe is none of a linkage, or the clicks mean nothing.
-
-    Examples
-    --------
-    >>> from geomkin.studio.building import EMPTY
-    >>> from geomkin.studio.edit import Draft, built
-    >>> text = built(Draft(EMPTY, {}), {"do": "bar", "on": [{"at": [0, 0]}, {"at": [30, 40]}], "step": 0.5})
-    >>> text.splitlines()[-1]
-    'bar_1 = {A = [0, 0], B = [30, 40]}'
-    """
-    table = draft.table()
-
-    def written(text: str) -> AbstractRecipe:
-        other = Draft(text, draft.files, draft.name)
-        return other.as_written(other.table(), other.opened(other.table()))
-
-    return LinkageText(draft.text, table, written, _moving(written, draft.text)).edited(edit)
-
-
-def _moving(written: Callable[[str], AbstractRecipe], text: str) -> AbstractRecipe | None:
-    """The recipe of a text; None if it is none, or does not move."""
-    try:
-        recipe = written(text)
-        if isinstance(recipe, AbstractLinkageRecipe):
-            _ = recipe.motion
-    except GeomkinError:
-        return None
-    return recipe
-
-
-def _add(draft: Draft, key: Any, reply: Answer) -> None:
-    """Change the text so that the recipe has another table or item of a list; if it can have none, report why."""
-    if not isinstance(key, str):
-        raise DesignError("add", f"found {shown(key)}", "give a key", "wrong-type")
-    table = draft.table()
-    recipe = draft.as_written(table, draft.opened(table))
-    try:
-        with errors_named_by_key("recipe", recipe):
-            changes = addition(recipe, key, lambda changes: draft.opened(with_added(table, changes)))
-    except RecipeError as error:
-        problem = error.problems[0]
-        reply["limit"] = {"keys": [problem.key], "reason": harmless(f"{problem.problem}; {problem.remedy}")}
-        return
-    draft.text = reply["text"] = edited_text(draft.text, changes)
-
-
-def _drag(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str], reply: Answer) -> None:
-    """Change the text so that a handle follows the pointer."""
-    to, frame, steps = _pointer(wanted)
-    table = draft.table()
-    sort, _, point = str(wanted.get("handle")).partition(":")
-    if sort == "point" and (structure := unfinished(table)) and is_unfinished(structure):
-        if point in structure.places:
-            linkage = LinkageText(draft.text, table, lambda _: draft.opened(table), None)
-            reply["text"] = linkage.moved(point, to, min(steps))
-        return
-    recipe = draft.opened(table)
-    written = draft.as_written(table, recipe)
-    with errors_named_by_key("recipe", recipe):
-        handle = next((h for h in recipe.handles if h.id == wanted.get("handle")), None)
-        if handle is None:
-            problem = f"found {printable(repr(wanted.get('handle')))}"
-            raise DesignError("drag.handle", problem, f"give one of {', '.join(h.id for h in recipe.handles)}")
-        values, (x, y) = _values(written), _factors(recipe, handle)
-        found = drag(
-            lambda changes: draft.opened(with_values(table, _whole_lists(changes, table, values))),
-            shown_numbers(written), handle, _frame_of_table(handle, frame),
-            complex(to.real * x, to.imag * y), (steps[0] * x, steps[1] * y), locks, bool(wanted.get("snap")),
-        )  # fmt: skip
-    if found.changes:
-        reply["text"] = edited_text(draft.text, _whole_lists(found.changes, table, values))
-    if found.reason:
-        reply["limit"] = {"keys": list(handle.keys), "reason": harmless(found.reason)}
-
-
-def _factors(recipe: AbstractRecipe, handle: SceneHandle) -> tuple[float, float]:
-    """Factors from x and y as they are shown to those of the handle: plots are in the recipe's unit, drawings in mm."""
-    if handle.shape != "plot" or UNITS[recipe.units] is MM:
-        return 1.0, 1.0
-    units = recipe.table.columns[0].unit, recipe.table.column(handle.column).unit
-    return UNITS[recipe.units].factor(units[0]), UNITS[recipe.units].factor(units[1])
-
-
-def _pointer(wanted: Mapping[str, Any]) -> tuple[complex, int, tuple[float, float]]:
-    """Position of the pointer, frame, and size of a pixel in x and y; raises DesignError."""
-    frame, step = wanted.get("frame", 0), wanted.get("step", 0.1)
-    numbers = [frame, *_pair("drag.to", wanted.get("to")), *_pair("drag.step", step if _is_row(step) else [step, step])]
-    for key, number in zip(("frame", "to", "to", "step", "step"), numbers):
-        is_number = isinstance(number, int | float) and not isinstance(number, bool) and abs(number) <= FARTHEST
-        if not is_number or (key == "step" and number <= 0):
-            raise DesignError(f"drag.{key}", f"found {shown(number)}", "give finite numbers", "wrong-type")
-    return complex(numbers[1], numbers[2]), int(frame), (float(numbers[3]), float(numbers[4]))
-
-
-def _pair(key: str, value: Any) -> Sequence[Any]:
-    if not _is_row(value) or len(value) != 2:
-        raise DesignError(key, f"found {shown(value)}", "give two numbers", "wrong-type")
-    return value
-
-
-def _is_row(value: Any) -> TypeGuard[Sequence[Any]]:
-    return isinstance(value, list | tuple)
-
-
-def _frame_of_table(handle: SceneHandle, frame: int) -> int:
-    frames = kept_frames(len(handle.at))
-    return int(frames[min(max(frame, 0), len(frames) - 1)])
-
-
-def _with_whole_lists(draft: Draft, changes: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Changes of values, with whole lists for those items that belong to a list which the text leaves out."""
-    if not any("[" in key for key in changes):
-        return changes
-    try:
-        table = draft.table()
-        return _whole_lists(changes, table, _values(draft.as_written(table, draft.opened(table))))
-    except GeomkinError:
-        # Without a recipe no default is known.
-        return changes
-
-
-def _whole_lists(changes: Mapping[str, Any], table: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-    """The changes, with whole points and lists for those that the text leaves out."""
-    whole: dict[str, Any] = {}
-    for key, value in changes.items():
-        field, item = match.groups() if (match := ITEM.fullmatch(key)) else ("", "0")
-        items = values.get(field)
-        if value is not None and isinstance(items, list) and int(item) < len(items) and not _is_there(table, field):
-            plain = [int(v) if isinstance(v, float) and v == int(v) else v for v in items]
-            whole.setdefault(field, plain)[int(item)] = value
-        else:
-            whole[key] = value
-    return whole
-
-
-def _is_there(table: Mapping[str, Any], field: str) -> bool:
-    place: Any = table
-    try:
-        for part in key_parts(field):
-            place = place[part]
-    except (LookupError, TypeError):
-        return False
-    return True
-
-
-def _values(recipe: AbstractRecipe) -> dict[str, Any]:
-    """Every key with its value as it stands, also those that the text leaves out."""
-    return dict(_flat(whole_table(recipe), ""))
-
-
 def _is_json(values: Mapping[str, Any]) -> bool:
     """Whether JSON has such values: a text may have numbers that are none, and dates."""
     try:
@@ -663,22 +267,11 @@ def _is_json(values: Mapping[str, Any]) -> bool:
     return True
 
 
-def _flat(value: Any, key: str) -> Iterator[tuple[str, Any]]:
-    if isinstance(value, dict) and (value or not key):
-        for name, held in value.items():
-            yield from _flat(held, f"{key}.{name}" if key else name)
-    elif isinstance(value, list) and value and all(isinstance(item, dict) for item in value):
-        for k, item in enumerate(value):
-            yield from _flat(item, f"{key}[{k}]")
-    else:
-        yield key, value
-
-
 def _scene(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> None:
     name, results = recipe.name or recipe.kind, ShownRecipe(recipe)
     scene = results.scene
     reply["name"] = name
-    reply["handles"] = [_handle(handle, locks, *_factors(recipe, handle)) for handle in recipe.handles]
+    reply["handles"] = [_handle(handle, locks, *plot_factors(recipe, handle)) for handle in recipe.handles]
     reply["quantities"] = [
         {"id": "", "label": harmless(label), "text": harmless(text)} for label, text in results.quantities.items()
     ] + [{"id": check.id, "label": check.name, "text": _stated(check)} for check in results.motion_checks]

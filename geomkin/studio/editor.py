@@ -14,7 +14,7 @@ from ..core.arguments import checked
 from ..core.errors import printable
 from ..recipe.load import to_toml
 from ..recipe.recipe import AbstractRecipe
-from .edit import Draft
+from .drafts import Draft
 from .workspace import Workspace
 
 if TYPE_CHECKING:
@@ -55,14 +55,15 @@ class Editor:
     def recipe(self) -> AbstractRecipe:
         """The recipe as it is now in the editor, saved or not; raises RecipeError while a value of it is refused."""
         draft = self._shown
-        recipe = draft.opened(draft.table())
+        recipe = draft.recipe
         return recipe if draft.name or not self._name else recipe.with_name(self._name)
 
     @property
     def url(self) -> str:
         """The address of the page, which any browser on this machine opens."""
         if self._server is None:
-            from .server import NOTEBOOKS, Studio, StudioServer
+            from .server import NOTEBOOKS, StudioServer
+            from .service import Studio
 
             studio = Studio(self._workspace, self._draft.name, self._draft)
             self._server = StudioServer(studio, 0, NOTEBOOKS)

@@ -17,6 +17,7 @@ from ..recipe.lengths import from_mm
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.template import template
 from ..recipe.toml import parsed
+from .drafts import Draft
 
 # Longest table in one line.
 LONGEST = 110
@@ -32,17 +33,13 @@ def shafts(recipe: AbstractRecipe) -> Iterator[tuple[str, complex]]:
         yield from ((body, complex(turning.axis)) for body, turning in recipe.rotating_bodies.items())
 
 
-def joined(text: str, table: Mapping[str, Any], name: str, recipe: AbstractRecipe, wanted: Mapping[str, Any]) -> str:
+def joined(draft: Draft, wanted: Mapping[str, Any]) -> str:
     """The text of a machine with another mechanism on one of its shafts.
 
     Parameters
     ----------
-    text, table : str and mapping
+    draft : Draft
         The recipe before: of a machine, or of a mechanism, which becomes the first one of a machine.
-    name : str
-        Name of that recipe; "" if it has none.
-    recipe : AbstractRecipe
-        The same, read.
     wanted : mapping
         `turned_by`, the name of a shaft as `shafts` gives it; and `recipe`, the name of a recipe of the folder, or
         `kind`, whose template is taken; `phase_deg`.
@@ -52,6 +49,7 @@ def joined(text: str, table: Mapping[str, Any], name: str, recipe: AbstractRecip
     DesignError
         If there is no such shaft or kind.
     """
+    recipe = draft.recipe
     known = dict(shafts(recipe))
     turned_by, phase = wanted.get("turned_by"), wanted.get("phase_deg", 0)
     if turned_by not in known or isinstance(phase, bool) or not isinstance(phase, int | float):
@@ -61,10 +59,10 @@ def joined(text: str, table: Mapping[str, Any], name: str, recipe: AbstractRecip
     mechanism: dict[str, Any] = {"turned_by": turned_by, **({"phase_deg": phase} if phase else {}), "recipe": other}
     if isinstance(recipe, MachineRecipe):
         added = _new_name(noun, recipe.mechanisms)
-        return edited_text(text, {f"mechanisms.{added}": _table(mechanism)})
-    first = _new_name(name or recipe.kind, ())
+        return edited_text(draft.text, {f"mechanisms.{added}": _table(mechanism)})
+    first = _new_name(draft.name or recipe.kind, ())
     added = _new_name(noun, (first,))
-    own = {key: value for key, value in table.items() if key != "units"}
+    own = {key: value for key, value in draft.table.items() if key != "units"}
     head = 'kind = "machine"\n' if recipe.units == MM.name else f'kind = "machine"\nunits = "{recipe.units}"\n'
     mechanism["turned_by"] = f"{first}.{turned_by}"
     # Its parts are cut by the same beam.

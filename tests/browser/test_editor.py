@@ -10,7 +10,8 @@ import pytest
 
 import geomkin as gk
 from geomkin.page.page import scene_data
-from geomkin.studio.server import Studio, StudioServer
+from geomkin.studio.server import StudioServer
+from geomkin.studio.service import Studio
 from geomkin.studio.workspace import Workspace
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"

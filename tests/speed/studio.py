@@ -16,7 +16,7 @@ from pathlib import Path
 import geomkin as gk
 from geomkin.core.dotted_keys import numbers_in
 from geomkin.recipe.keys import edited_text
-from geomkin.studio.server import Studio
+from geomkin.studio.service import Studio
 from geomkin.studio.workspace import Workspace
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"

@@ -5,7 +5,8 @@ import pytest
 import geomkin as gk
 from geomkin.recipe.kinds import kind_names, recipe_class
 from geomkin.recipe.template import template
-from geomkin.studio.edit import _values, answer
+from geomkin.studio.drafts import Draft
+from geomkin.studio.edit import answer
 from geomkin.studio.form import recipe_form
 from tests.campaign import by_default
 
@@ -14,7 +15,7 @@ def addable():
     """Kinds with each table and list of their forms, of which a template has none or a list."""
     for kind in kind_names():
         text = template(recipe_class(kind))
-        values = _values(gk.load(text))
+        values = Draft(text, {}).values
         for group in recipe_form(kind, values)["groups"]:
             key, within = group["key"], group["within"]
             is_there = any(other.startswith(f"{key}.") for other in values)
@@ -42,7 +43,7 @@ def test_every_table_can_be_added(kind, key):
         return
     assert reply["limit"] is None
     assert not answer(reply["text"], {}, {"lane": "checks"})["problems"]
-    before, after = (_values(gk.load(recipe)) for recipe in (text, reply["text"]))
+    before, after = (Draft(recipe, {}).values for recipe in (text, reply["text"]))
     new = {name for name in after if name not in before or before[name] in (None, {}, [])}
     assert any(name.startswith(key.removesuffix("[]")) for name in new)
 

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.studio.building import EDITS, EMPTY
-from geomkin.studio.edit import Draft, answer, built
+from geomkin.studio.building import EMPTY, built
+from geomkin.studio.clicks import EDITS
+from geomkin.studio.drafts import Draft
+from geomkin.studio.edit import answer
 from tests.campaign import by_default
 
 from ..browser.test_editor import RECIPES

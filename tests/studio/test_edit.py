@@ -14,7 +14,8 @@ import geomkin as gk
 from geomkin.page.page import scene_data
 from geomkin.recipe.kinds import kind_names, recipe_class
 from geomkin.recipe.template import template
-from geomkin.studio.edit import _values, answer
+from geomkin.studio.drafts import Draft
+from geomkin.studio.edit import answer
 from geomkin.studio.form import recipe_form
 from tests.campaign import by_default
 
@@ -201,7 +202,7 @@ def test_it_opens_no_file_socket_or_thread():
 
 @pytest.mark.parametrize("kind", by_default(kind_names(), slice(0, None, 3)))
 def test_the_form_of_a_kind_has_every_key_that_a_recipe_can_have(kind):
-    values = _values(gk.load(template(recipe_class(kind))))
+    values = Draft(template(recipe_class(kind)), {}).values
     known = keys_of(recipe_form(kind, values)["groups"]) | {"kind"}
     tables = tuple(f"{key[:-2]}." for key in known if key.endswith(".*"))
     for key in values:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.studio.edit import Draft, answer, with_length
+from geomkin.studio.drafts import Draft
+from geomkin.studio.edit import answer, with_length
 from tests.campaign import by_default
 
 from ..browser.test_editor import RECIPES

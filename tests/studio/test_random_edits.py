@@ -8,6 +8,7 @@ import pytest
 
 from geomkin.recipe.kinds import kind_names, recipe_class
 from geomkin.recipe.template import template
+from geomkin.studio.drafts import read
 from geomkin.studio.edit import answer
 from tests.campaign import by_default
 
@@ -27,7 +28,7 @@ class OnlyRead(Exception):  # noqa: N818
 
 
 def only_read(draft):
-    draft.opened(draft.table())
+    read(draft)
     raise OnlyRead
 
 
@@ -89,7 +90,7 @@ def play(kind, count, drawn=1.0):
             key, value = edit(numbers, values)
             request = {"set": {key: value}}
         try:
-            reply = answer(text, {}, request, opened=None if numbers.random() < drawn else only_read)
+            reply = answer(text, {}, request, reader=read if numbers.random() < drawn else only_read)
         except OnlyRead:
             continue
         json.dumps(reply, allow_nan=False)

@@ -15,7 +15,9 @@ import pytest
 
 from geomkin.core.processes import report
 from geomkin.studio import server as module
-from geomkin.studio.server import HOST, LARGEST_BODY, MOST_A_SECOND, Studio, StudioServer
+from geomkin.studio import service
+from geomkin.studio.server import HOST, LARGEST_BODY, MOST_A_SECOND, StudioServer
+from geomkin.studio.service import Studio
 from geomkin.studio.workspace import ConflictError, Workspace
 
 FOUR_BAR = 'kind = "four-bar"\n[linkage]\nground = 100\ncrank = 30\ncoupler = 90\nrocker = 70\n'
@@ -191,7 +193,7 @@ def test_a_change_of_the_file_is_reported(running, tmp_path):
 
 
 def test_a_search_goes_on_as_a_job_that_can_be_stopped(running, monkeypatch):
-    monkeypatch.setattr(module, "AT_ONCE", 0.0)
+    monkeypatch.setattr(service, "AT_ONCE", 0.0)
     job = json.loads(ask(running, "answer", {"text": POSES})[2])["job"]
     end = time.monotonic() + 30
     while (state := json.loads(ask(running, f"job?id={job}")[2]))["state"] == "running" and time.monotonic() < end:
@@ -201,14 +203,14 @@ def test_a_search_goes_on_as_a_job_that_can_be_stopped(running, monkeypatch):
 
 
 def test_a_newer_request_ends_searches_but_not_one_for_checks_that_of_an_edit(running, monkeypatch):
-    monkeypatch.setattr(module, "AT_ONCE", 0.0)
+    monkeypatch.setattr(service, "AT_ONCE", 0.0)
 
     def endless(*_):
         while True:
             report(0.5, "searching")
             time.sleep(0.01)
 
-    monkeypatch.setattr(module, "answer", endless)
+    monkeypatch.setattr(service, "answer", endless)
 
     def start(**lane):
         return running.studio.jobs.get(json.loads(ask(running, "answer", {"text": POSES, **lane})[2])["job"])
@@ -247,7 +249,7 @@ def test_closing_does_not_wait_for_answers_that_still_compute(running, monkeypat
         end.wait(60)
         return {}
 
-    monkeypatch.setattr(module, "answer", compute)
+    monkeypatch.setattr(service, "answer", compute)
     clients = [threading.Thread(target=ask, args=(running, "answer", {"text": FOUR_BAR}), daemon=True) for _ in "abcd"]
     for client in clients:
         client.start()
