@@ -155,7 +155,7 @@ def the_csv_file_has_every_number_of_the_table(own, folder):
         rows = sum(len(json.dumps(row, separators=(",", ":"))) for row in shown["series"])
         # A number takes at most 5 bytes, and a small page has few bytes besides its numbers.
         assert rows <= 5 * len(shown["series"]) * max(100, shown["frames"])
-        assert len(text) - rows < 250_000
+        assert len(text) - rows < 210_000
 
 
 def words_and_numbers(held):

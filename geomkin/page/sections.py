@@ -18,7 +18,7 @@ from ..export.svg_path import FINE, bounding_box, decimal, path, thumbnail
 from ..export.tables import hodograph_file
 from ..export.text import DIGITS, capital, number, text, unit_sign, with_unit
 from ..model.check import Check
-from ..model.explanations import explained_check
+from ..model.explanations import check_entry, explained_check
 from ..model.part import Part
 from ..model.scene import Scene
 from ..plane.curve import extent
@@ -53,13 +53,14 @@ def checks(job: Job) -> str:
     ordered = sorted(job.source.checks, key=lambda check: (check.passed, bool(check.expected)))
     if not ordered:
         return ""
-    rows = "".join(_check(check, job.scene) for check in ordered[:MOST_ROWS])
+    explained = set[str]()
+    rows = "".join(_check(check, job.scene, explained) for check in ordered[:MOST_ROWS])
     heads = "".join(f'<th scope="col">{head}</th>' for head in ("Verdict", "Check", "Value", "Limit", "Advice"))
     table = f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
     return html_section("checks", "Checks", wide("Checks", table))
 
 
-def _check(check: Check, scene: Scene) -> str:
+def _check(check: Check, scene: Scene, explained: set[str]) -> str:
     style, sign = ("holds", "\N{CHECK MARK}") if check.passed else ("fails", "\N{BALLOT X}")
     word = "passed" if check.passed else "failed"
     frame = worst_frame(check, scene)
@@ -74,18 +75,22 @@ def _check(check: Check, scene: Scene) -> str:
     expected = " as expected" * bool(check.expected and not check.passed)
     return (
         f'<tr class="{style}"><td><span aria-hidden="true">{sign}</span> {word}{expected}</td>'
-        f'<th scope="row">{_explained(check)}</th>'
+        f'<th scope="row">{_explained(check, explained)}</th>'
         f"<td>{value}{button}</td><td>{check.side} {limit}</td><td>{text(advice)}</td></tr>"
     )
 
 
-def _explained(check: Check) -> str:
-    """The name of a check, which opens its explanation."""
+def _explained(check: Check, explained: set[str]) -> str:
+    """The name of a check, which opens its explanation, or leads to that of a row above. explained: their entries."""
+    name, entry = text(capital(check.name)), check_entry(check.id)
+    if entry is None:
+        return name
+    if entry in explained:
+        return f'<a href="#explained-{entry}">{name}</a>'
+    explained.add(entry)
     known = explained_check(check.id)
-    if not known:
-        return text(capital(check.name))
     items = "".join(f"<dt>{capital(word)}</dt><dd>{text(about)}</dd>" for word, about in known.items())
-    return f"<details><summary>{text(capital(check.name))}</summary><dl>{items}</dl></details>"
+    return f'<details id="explained-{entry}"><summary>{name}</summary><dl>{items}</dl></details>'
 
 
 def worst_frame(check: Check, scene: Scene) -> int | None:

@@ -46,6 +46,7 @@ from .helical import (
     LEAST_EFFICIENCY,
     AbstractHelicalRecipe,
     Measuring,
+    RingAdditions,
     Tips,
     backlash_notes,
     boss_checks,
@@ -54,6 +55,7 @@ from .helical import (
     gear_quantities,
     measuring_entry,
     mesh_notes,
+    on_ring,
     overlap_notes,
     pair_quantities,
     tips_entry,
@@ -208,10 +210,10 @@ class AbstractPairRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
 
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
-        """Shafts, if a base is requested; materials, if loads are."""
+        """Shafts, if a base is requested; materials, if loads are; screws in the rim for what a ring has attached."""
         shafts = {f"{name}_stock.bore": 8.0 for name in cls.pair.names} if "base" in tables else {}
         materials = {f"{name}_stock.material": MATERIALS["steel-C45"] for name in cls.pair.names}
-        return shafts | (materials if "loads" in tables else {})
+        return shafts | (materials if "loads" in tables else {}) | on_ring(tables)
 
     @property
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
@@ -332,8 +334,7 @@ class InternalGearPairRecipe(AbstractPairRecipe):
     pair = InternalGearPair
 
     prints_in_place: ClassVar[bool] = True
-    # The holes of the usual example would lie in its teeth.
-    additions: ClassVar[Additions] = Additions(("ring_stock.attachments",))
+    additions: ClassVar[Additions] = RingAdditions()
     kind: Literal["internal-gear-pair"] = "internal-gear-pair"
     pinion: SpurGear = entry("the driving gear", example=SpurGear(18, 2))
     ring: RingGear = entry("the ring round the pinion", example=RingGear(60, 2, addendum=0.8))

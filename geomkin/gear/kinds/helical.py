@@ -12,19 +12,21 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, WIDEST, entry, quantity, to_digits
 from ...core.records import record
-from ...core.units import Sentence, bare_mm, marked, mm, unit_name
+from ...core.units import UNITS, Sentence, bare_mm, marked, mm, unit_name
 from ...making.assembly import BaseStock
+from ...making.attachments import Attachment
 from ...making.motors import MountedMotorKey, face_of
 from ...model.check import Check
 from ...plane.curve import AbstractCurve
 from ...plane.flatten import flatten
 from ...plane.joined import PolarArray
 from ...plane.vec import without_rounding
-from ...recipe.recipe import AbstractAssembledRecipe
+from ...recipe.recipe import AbstractAssembledRecipe, Additions
 from ...recipe.settings import Files
 from ..contract import AbstractInvoluteGear
 from ..helix import Hand, Helix, helix_angle
 from ..measures import chord, over_pins, over_stock_pins, span
+from ..parts import RingStock
 
 if TYPE_CHECKING:
     from ..pair import GearPair
@@ -59,6 +61,29 @@ def friction_entry() -> Any:
         "mean coefficient of friction of the flanks, for the efficiency, by which the torque in a machine is larger"
     )
     return quantity(meaning, default=0.0, at_least=0, at_most=1)
+
+
+# An example of what is attached to a ring of the default rim: its screws are in the middle of that of the example ring.
+ON_RING = Attachment("bracket", bolts=3, bolt_circle=133.0, screw=2.0)
+
+
+def on_ring(tables: Mapping[str, str], key: str = "ring_stock.attachments") -> dict[str, object]:
+    """This example by its key, if a template has it."""
+    return {key: ON_RING} if key in tables else {}
+
+
+class RingAdditions(Additions):
+    """Additions to a recipe with a ring: what is attached to the ring has its screws in the middle of the rim."""
+
+    def changes(self, recipe: Any, key: str) -> Iterator[Mapping[str, Any]]:
+        stock, _, name = key.rpartition(".")
+        table = getattr(recipe, stock, None)
+        if name == "attachments" and isinstance(table, RingStock):
+            ring, unit = getattr(recipe.design, "ring", recipe.design), UNITS[recipe.units]
+            circle, screw = 2 * ring.root_radius + table.rim, min(ON_RING.screw, table.rim / 4)
+            sizes = {"bolt_circle": circle, "screw": screw}
+            sizes = {size: to_digits(unit.of(length), 6) for size, length in sizes.items()}
+            yield {f"{key}[{len(table.attachments)}]": {"name": ON_RING.name, "bolts": ON_RING.bolts, **sizes}}
 
 
 # Least efficiency of gears in a machine: with less, friction locks them.

@@ -37,6 +37,7 @@ from .helical import (
     LEAST_EFFICIENCY,
     AbstractHelicalRecipe,
     Measuring,
+    RingAdditions,
     Tips,
     boss_checks,
     check_tooth_points,
@@ -44,6 +45,7 @@ from .helical import (
     gear_quantities,
     measuring_entry,
     mesh_notes,
+    on_ring,
     tips_entry,
 )
 from .loaded import AbstractLoadedRecipe, LoadedMeshes, loaded_materials, planetary_strength_notes
@@ -53,7 +55,7 @@ from .loaded import AbstractLoadedRecipe, LoadedMeshes, loaded_materials, planet
 class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     """A sun, planets and a ring: all gears and the carrier of the planets; one member drives, one is fixed."""
 
-    additions: ClassVar[Additions] = Additions(("planet_stock.motor", "ring_stock.attachments"))
+    additions: ClassVar[Additions] = RingAdditions(("planet_stock.motor",))
     prints_in_place: ClassVar[bool] = True
     kind: Literal["planetary"] = "planetary"
     gears: PlanetarySet
@@ -254,10 +256,10 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
 
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
-        """A shaft, and a rim wide enough for the ring's screws, if a base is requested."""
+        """A shaft, and a rim wide enough for the ring's screws, if a base is requested; screws of attachments in it."""
         shaft = {"sun_stock.bore": 8.0, "ring_stock.rim": 12.0} if "base" in tables else {}
         stocks = ("sun_stock", "planet_stock", "ring_stock") if "loads" in tables else ()
-        return shaft | {f"{stock}.material": MATERIALS["steel-C45"] for stock in stocks}
+        return shaft | {f"{stock}.material": MATERIALS["steel-C45"] for stock in stocks} | on_ring(tables)
 
     @property
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
