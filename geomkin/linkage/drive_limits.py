@@ -227,12 +227,22 @@ def largest_between(motion: Motion, values: Callable[[Motion], Real], to_limits:
     """
     drive = motion.drive
 
-    def known_values(moved: Motion) -> Real:
+    def values_at(drives: Real) -> Real:
+        return values(motion) if drives is drive else values(moved_to(motion, drives))[..., 1:]
+
+    return largest_over(drive, values_at, to_limits)
+
+
+def largest_over(drive: Real, values: Callable[[Real], Real], to_limits: bool = False) -> tuple[Real, Real]:
+    """As `largest_between`, of values at any positions of a driver; drive: those among which the peaks are found."""
+
+    def known_values(drives: Real) -> Real:
         with np.errstate(all="ignore"):
-            outputs = np.atleast_2d(values(moved))
+            outputs = values(drives)
         return np.where(np.isfinite(outputs), outputs, -np.inf)
 
-    at_frames, is_single = known_values(motion), np.ndim(values(motion)) == 1
+    outputs = known_values(drive)
+    at_frames, is_single = np.atleast_2d(outputs), np.ndim(outputs) == 1
     first = np.array([first_largest(row) if np.isfinite(row).any() else -1 for row in at_frames])
     known = np.flatnonzero(first >= 0)
     largest, at = np.full((2, len(at_frames)), np.nan)
@@ -251,11 +261,7 @@ def largest_between(motion: Motion, values: Callable[[Motion], Real], to_limits:
     low, high = drive[before], drive[after]
     for _ in range(REFINED):
         places = np.linspace(low, high, PLACES)
-        heights = (
-            known_values(moved_to(motion, places.ravel()))[:, 1:]
-            .reshape(-1, *places.shape)[owner, :, range(len(owner))]
-            .T
-        )
+        heights = known_values(places.ravel()).reshape(-1, *places.shape)[owner, :, range(len(owner))].T
         best = np.argmax(heights, axis=0)
         before, after = np.maximum(best - 1, 0), np.minimum(best + 1, PLACES - 1)
         peak, below, beyond = (np.take_along_axis(heights, k[None], axis=0)[0] for k in (best, before, after))

@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from ..core.records import record
-from ..core.units import marked
+from ..core.units import marked, mm
 from ..model.check import Check
 from ..model.part import Bought
 from ..recipe.recipe import AbstractRecipe
@@ -63,8 +63,10 @@ class MachineAssembly:
             for name, mechanism in self.mechanisms.items()
             if mechanism.phase_deg
         )
+        gaps = {name: mechanism.gap for name, mechanism in self.mechanisms.items()}
         neighbours = (
-            f"set {upper} above {lower} on tubes as high as the nuts and collars between them"
+            f"set {upper} above {lower} on tubes "
+            + (f"{mm(gaps[upper]):g} high" if gaps[upper] else "as high as the nuts and collars between them")
             for lower, upper in pairwise(self.mechanisms)
         )
         words = {

@@ -33,6 +33,7 @@ from .placed import PlacedMechanism, joined_scene, joined_table
 from .shaft_fits import ShaftFit, motor_key, motor_room, shaft_fits
 from .shafts import ShaftGraph
 from .torques import MachineTorques
+from .walking import MachineWalking, WalkerTable, check_walker, feet_of
 
 # Most mechanisms of a machine: what a page shows and a person can distinguish. Twelve legs and their train are 13.
 MOST_MECHANISMS = 16
@@ -67,6 +68,8 @@ class MachineAdditions(Additions):
     """What neither the mechanisms alone nor this machine refuses."""
 
     def unavailable(self, recipe: MachineRecipe) -> Iterator[str]:
+        if not feet_of(recipe.mechanisms):
+            yield "walker"
         for name, mechanism in recipe.mechanisms.items():
             inner = mechanism.recipe
             motors = [f"{key}.motor" for key in fields_of(type(inner)) if key.endswith("stock")]
@@ -89,6 +92,7 @@ class MachineRecipe(AbstractAssembledRecipe):
     kind: Literal["machine"] = "machine"
     mechanisms: dict[str, Mechanism] = entry("the mechanisms by name, the lowest first", example={})
     drive: MachineDrive = entry("how the machine is driven", default=MachineDrive())
+    walker: WalkerTable | None = entry("what a machine on feet carries, and their friction", default=None)
     files: Files = entry("formats and tolerance of the files", default=Files())
 
     def __post_init__(self) -> None:
@@ -120,6 +124,7 @@ class MachineRecipe(AbstractAssembledRecipe):
         if not any(isinstance(recipe, AbstractGoal) for recipe in alone(self.mechanisms).values()):
             # Raises for shafts that do not join, and for a long period. A goal would search for its mechanism first.
             self.graph.period  # noqa: B018
+            check_walker(self.mechanisms, self.graph, self.walker)
 
     @property
     def recipes(self) -> Mapping[str, AbstractRecipe]:
@@ -175,7 +180,8 @@ class MachineRecipe(AbstractAssembledRecipe):
             turn = 2 * np.pi * float(graph.speeds[name]) * self.turns + np.radians(mechanism.phase_deg)
             placement = ShaftPlacement(self.poses[name], mechanism.mirrored)
             with errors_of(name):
-                placed.append(PlacedMechanism(name, self.recipes[name], placement, turn, mechanism.is_reversed, layer))
+                own, is_reversed = self.recipes[name], mechanism.is_reversed
+                placed.append(PlacedMechanism(name, own, placement, turn, is_reversed, layer, mechanism.gap))
                 layer += placed[-1].layers
         return tuple(placed)
 
@@ -188,17 +194,25 @@ class MachineRecipe(AbstractAssembledRecipe):
     def table(self) -> Table:
         """Positions and angles of all mechanisms over the period."""
         time = 60 * self.graph.turns / abs(self.drive.speed_rpm)
-        return joined_table(self.turns, time, self.placed, self.torques.input)
+        walking = self.torques.walking
+        return joined_table(self.turns, time, self.placed, self.torques.input, walking.columns if walking else ())
 
     @cached_property
     def torques(self) -> MachineTorques:
-        """Torques on the drivers of all mechanisms under their loads."""
-        return MachineTorques(self.graph, self.mechanisms, moving(self), self.turns, self.drive.speed_rpm)
+        """Torques on the drivers of all mechanisms under their loads, and how the machine walks."""
+        recipes, walking, run = moving(self), None, (self.turns, self.drive.speed_rpm)
+        if feet_of(self.mechanisms):
+            walking = MachineWalking(
+                self.graph, self.mechanisms, recipes, self.poses, *run, self.walker or WalkerTable()
+            )  # fmt: skip
+            recipes = {name: walking.on_feet(name, recipe) for name, recipe in recipes.items()}
+        return MachineTorques(self.graph, self.mechanisms, recipes, *run, walking)
 
     @cached_property
     def scene(self) -> Scene:
         """All mechanisms over the period."""
-        return joined_scene(self.table, self.placed, self.graph.is_cyclic)
+        walking = self.torques.walking
+        return joined_scene(self.table, self.placed, self.graph.is_cyclic, walking.plots if walking else ())
 
     @cached_property
     def handles(self) -> tuple[SceneHandle, ...]:
@@ -227,7 +241,8 @@ class MachineRecipe(AbstractAssembledRecipe):
     def design_checks(self) -> tuple[Check, ...]:
         own = checks_of(self, "design_checks")
         shafts = (check for shaft in self.shafts for check in shaft.checks(self.placed))
-        return (*own, *shafts, *motor_room(self.graph, self.placed), *self.torques.checks)
+        standing = self.torques.walking.checks if self.torques.walking else ()
+        return (*own, *shafts, *motor_room(self.graph, self.placed), *standing, *self.torques.checks)
 
     @property
     def motion_checks(self) -> tuple[Check, ...]:
@@ -270,14 +285,16 @@ class MachineRecipe(AbstractAssembledRecipe):
         return {
             "period_turns": {"driver": str(graph.period), **turns},
             **gear_notes(self.recipes),
+            **(self.torques.walking.summary if self.torques.walking else {}),
             **self.torques.summary,
             **assembly_summary(self),
         }
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Those of each mechanism."""
-        return tuple(f"{name}: {marked(remark)}" for name, recipe in self.recipes.items() for remark in recipe.remarks)
+        """Those of each mechanism, and where the weight of a walker is."""
+        own = (f"{name}: {marked(remark)}" for name, recipe in self.recipes.items() for remark in recipe.remarks)
+        return (*own, *(self.torques.walking.remarks if self.torques.walking else ()))
 
     @property
     def facts(self) -> tuple[str, ...]:
@@ -296,8 +313,12 @@ class MachineRecipe(AbstractAssembledRecipe):
 
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
-        """A gear pair that turns a crank."""
+        """A gear pair that turns a crank, or the cranks of legs."""
         pair = from_table({"kind": "gear-pair", **EXAMPLE_PAIR})
+        if "walker" in tables:
+            legs = from_table({"kind": "four-bar", **EXAMPLE_LEGS})
+            leg = Mechanism(recipe=legs, turned_by="pair.second", foot="coupler_point")
+            return {"mechanisms": {"pair": Mechanism(recipe=pair), "legs": leg}}
         crank = from_table({"kind": "slider-crank", **EXAMPLE_CRANK})
         return {
             "mechanisms": {
@@ -396,6 +417,11 @@ EXAMPLE_PAIR: dict[str, object] = {
 }
 EXAMPLE_CRANK: dict[str, object] = {
     "linkage": {"crank": 20, "coupler": 70},
+    "stock": {"thickness": 4, "pin_diameter": 4},
+}
+EXAMPLE_LEGS: dict[str, object] = {
+    "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": [40, -80]},
+    "copies": [{"mirrored": True}, {"phase_deg": 180}, {"phase_deg": 180, "mirrored": True}],
     "stock": {"thickness": 4, "pin_diameter": 4},
 }
 

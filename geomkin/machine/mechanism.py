@@ -8,7 +8,7 @@ from typing import Annotated, Any, NoReturn
 
 from ..core.errors import DesignError, RecipeError, shown
 from ..core.field_visitor import WrittenForm
-from ..core.fields import entry, quantity
+from ..core.fields import FARTHEST, entry, quantity
 from ..core.names import read_text_file
 from ..core.records import record
 from ..recipe.load import from_table
@@ -90,6 +90,15 @@ class Mechanism:
         "whether it is turned over, left for right, about the axis of its driver; its layers are then reversed too",
         default=False,
     )
+    foot: str | None = entry(
+        "point of its linkage that stands on the ground and carries its share of the weight of the machine; by default "
+        "the foot of its recipe",
+        default=None,
+    )
+    gap: float = quantity(
+        "height of the tubes between it and the mechanism below, mm: of nuts, collars and a motor", "mm", default=0.0,
+        at_least=0, at_most=FARTHEST,
+    )  # fmt: skip
     upside_down: bool = entry("whether its layers are in the reverse order, its ground on top", default=False)
 
     @property

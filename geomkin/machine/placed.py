@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -16,6 +16,7 @@ from ..model.scene import Plot, Scene, SceneBody, SceneHandle
 from ..model.table import Column, Table
 from ..plane.vec import Complex, Real
 from ..recipe.aspect import ShaftPlacement
+from ..recipe.questions import layer_heights
 from ..recipe.recipe import AbstractRecipe
 
 # Units of the columns that a machine's table takes from those of its mechanisms. Rates are those of another speed.
@@ -44,6 +45,8 @@ class PlacedMechanism:
         Whether its layers are in the reverse order.
     first_layer : int
         Its lowest layer in the machine.
+    gap : float
+        Height of the tubes below it, mm; 0 if unknown.
     """
 
     name: str
@@ -52,6 +55,7 @@ class PlacedMechanism:
     turn: Real
     is_reversed: bool
     first_layer: int
+    gap: float = 0.0
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -165,12 +169,7 @@ class PlacedMechanism:
     @property
     def heights(self) -> dict[int, float]:
         """Thickness of each layer in the machine, mm; a layer of spacers is as thick as the thickest."""
-        heights: dict[int, float] = {}
-        for body in self.scene.bodies:
-            for part in body.parts:
-                heights[body.layer] = max(part.thickness, heights.get(body.layer, 0.0))
-        most = max(heights.values(), default=0.0)
-        return {k: heights.get(k, most) for k in range(self.first_layer, self.first_layer + self.layers)}
+        return layer_heights(self.scene.bodies)
 
     @property
     def columns(self) -> Iterator[Column]:
@@ -192,19 +191,25 @@ class PlacedMechanism:
 
 
 def joined_table(
-    driver_turns: Real, time: Real, mechanisms: Sequence[PlacedMechanism], torque: Real | None = None
+    driver_turns: Real,
+    time: Real,
+    mechanisms: Sequence[PlacedMechanism],
+    torque: Real | None = None,
+    further: Iterable[Column] = (),
 ) -> Table:
-    """Driver, time, the columns of all mechanisms, and the torque of the driver, N mm, if it is known."""
+    """Driver, time, the columns of all mechanisms, the torque of the driver, N mm, if it is known, and further ones."""
     driver = Column("driver_angle", "deg", "rotation of the machine's driver", 360 * driver_turns)
     columns = [column for mechanism in mechanisms for column in mechanism.columns]
     if torque is not None:
         meaning = "torque on the machine's driver under the loads of its mechanisms, positive with its angle"
         columns.append(Column(TORQUE, "N mm", meaning, torque))
-    return Table((driver, Column("time", "s", "time", time), *columns))
+    return Table((driver, Column("time", "s", "time", time), *columns, *further))
 
 
-def joined_scene(table: Table, mechanisms: Sequence[PlacedMechanism], is_cyclic: bool) -> Scene:
-    """The scenes of all mechanisms as one, with the timing diagrams."""
+def joined_scene(
+    table: Table, mechanisms: Sequence[PlacedMechanism], is_cyclic: bool, plots: Iterable[Plot] = ()
+) -> Scene:
+    """The scenes of all mechanisms as one, with the timing diagrams and further plots."""
     scenes = [mechanism.scene for mechanism in mechanisms]
     # Equal mechanisms in one place leave the same trails, and only the first one's are drawn.
     places = [(id(m.recipe), *(complex(m.placement.place(z)) for z in (0j, 1 + 0j, 1j))) for m in mechanisms]
@@ -216,7 +221,7 @@ def joined_scene(table: Table, mechanisms: Sequence[PlacedMechanism], is_cyclic:
         tuple(body for scene in scenes for body in scene.bodies),
         tuple(curve for scene in scenes for curve in scene.curves),
         tuple(replace(mark, trail=mark.trail and own) for own, scene in zip(first, scenes) for mark in scene.marks),
-        tuple(timing_diagrams(mechanisms, table)),
+        (*timing_diagrams(mechanisms, table), *plots),
         is_cyclic,
         regions=tuple(region for scene in scenes for region in scene.regions),
         units={title: bodies for scene in scenes for title, bodies in scene.units.items()},

@@ -55,7 +55,9 @@ class ShaftFit:
     is_motor : bool
         Whether a motor's own shaft turns the first body.
     length : float
-        Thickness of all these layers, mm.
+        Thickness of all these layers and of the known gaps between mechanisms, mm.
+    has_all_gaps : bool
+        Whether all gaps are known.
     """
 
     shaft: Shaft
@@ -66,6 +68,7 @@ class ShaftFit:
     layers: tuple[int, int]
     is_motor: bool
     length: float
+    has_all_gaps: bool
 
     @property
     def diameter(self) -> float:
@@ -84,7 +87,7 @@ class ShaftFit:
     @property
     def _long(self) -> str:
         length = self.length + 2 * collar_width(self.diameter)
-        return f"at least {mm(to_digits(length, 10)):up6} and the gaps long"
+        return f"at least {mm(to_digits(length, 10)):up6}{'' if self.has_all_gaps else ' and the gaps'} long"
 
     @property
     def step(self) -> str:
@@ -203,8 +206,12 @@ def shaft_fits(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iter
         axis = complex(by_name[shaft.mechanism].placement.pose.place(graph.bodies[shaft.mechanism][shaft.body].axis))
         bodies, bores, joints, layers = {}, {}, {}, []
         for name, joined_body in joined.items():
-            full = f"{name}/{joined_body}"
-            for body in by_name[name].scene.bodies:
+            full, scene = f"{name}/{joined_body}", by_name[name].scene
+            # Rods between their cranks turn the copies of a linkage, which are units of their own.
+            first = {body.name for body in next(iter(scene.units.values()))}
+            for body in scene.bodies:
+                if body.name not in first:
+                    continue
                 found = [(part, bore) for part in body.parts if (bore := bore_at(part, places_on(body, axis)))]
                 if found or body.name == full:
                     layers.append(body.layer)
@@ -216,11 +223,13 @@ def shaft_fits(graph: ShaftGraph, mechanisms: Sequence[PlacedMechanism]) -> Iter
                         joints[name] = found[0][1][1] or found[0][0].name.removeprefix(f"{name}_")
         low, high = min(layers), max(layers)
         length = sum(heights[k] for k in range(low, high + 1))
+        crossed = [mechanism.gap for mechanism in mechanisms if low < mechanism.first_layer <= high]
         is_driver = shaft.body == next(iter(graph.bodies[shaft.mechanism]))
         is_motor = is_driver and bool(motor_key(by_name[shaft.mechanism].recipe))
         if is_motor:
             joints.pop(shaft.mechanism, None)
-        yield ShaftFit(shaft, axis, bodies, bores, joints, (low, high), is_motor, length)
+        length += sum(crossed)
+        yield ShaftFit(shaft, axis, bodies, bores, joints, (low, high), is_motor, length, all(crossed))
 
 
 def turns_with_shaft(bodies: Mapping[str, RotatingBody], name: str) -> bool:

@@ -20,6 +20,7 @@ from .mechanism import Mechanism
 from .placed import TORQUE
 from .shaft_fits import motor_key
 from .shafts import ShaftGraph
+from .walking import MachineWalking
 
 # Steps of the torques for each row of the table, of which there are at least 72 in a turn of a crank.
 BETWEEN = 3
@@ -30,7 +31,7 @@ class MachineTorques:
     """The torques of a machine.
 
     graph: its shafts. mechanisms, recipes: by name; the recipes are in their settings, without the torques that others
-    take from them. turns: rotations of the driver at the frames. speed_rpm: of the driver.
+    take from them. turns: rotations of the driver at the frames. speed_rpm: of the driver. walking: of a walker.
     """
 
     graph: ShaftGraph
@@ -38,6 +39,7 @@ class MachineTorques:
     recipes: Mapping[str, AbstractRecipe]
     turns: Real
     speed_rpm: float
+    walking: MachineWalking | None = None
 
     @cached_property
     def input(self) -> Real | None:

@@ -14,10 +14,23 @@ from ..model.part import Part
 from ..model.scene import Plot, Scene, SceneHandle
 from ..model.table import Column, Table
 from ..plane.curve import AbstractCurve, Mirrored, Moved
-from ..plane.vec import Complex, Pose, Real
+from ..plane.vec import Complex, Pose, Real, Whole
 
 M = TypeVar("M")
 T = TypeVar("T")
+
+
+@record(eq=False)
+class FootForces:
+    """The forces of the ground on the feet of a mechanism and of its copies, each in its own frame, over a turn.
+
+    point: that stands. drives, forces: for each foot the positions of the driver of its leg, rad, and the forces, N;
+    empty if the walker falls over.
+    """
+
+    point: str
+    drives: tuple[Real, ...] = ()
+    forces: tuple[Complex, ...] = ()
 
 
 @record
@@ -35,6 +48,8 @@ class Setting:
         Whether it is turned over, left for right.
     torques : tuple of (str, float)
         Bodies that turn other mechanisms, and the largest torque that these take, N mm.
+    feet : FootForces, optional
+        The forces of the ground on its feet, if it is a leg of a machine that walks.
 
     Examples
     --------
@@ -47,6 +62,7 @@ class Setting:
     direction: complex = 1 + 0j
     mirrored: bool = False
     torques: tuple[tuple[str, float], ...] = ()
+    feet: FootForces | None = None
 
     def of_world(self, vector: complex) -> complex:
         """A vector of the world, such as gravity, in the frame of the mechanism."""
@@ -107,6 +123,59 @@ class ShaftPlacement:
     def setting(self, speed: float) -> Setting:
         """The setting of a mechanism at a speed of its driver, in its own direction."""
         return Setting(speed, 0.0, complex(np.asarray(self.pose.direction)), self.mirrored)
+
+
+@record(eq=False)
+class Foot:
+    """A foot at rotations of the driver of its mechanism.
+
+    drive: of its own leg, rad. position, velocity: of the foot, mm and mm/s. across: its place along the shaft, from
+    the lower face of the mechanism, mm. mirrored: whether its leg is turned over.
+    """
+
+    drive: Real
+    position: Complex
+    velocity: Complex
+    across: float
+    mirrored: bool = False
+
+
+@record(eq=False)
+class Standing:
+    """What stands, and what is carried, at rotations of the driver of a mechanism.
+
+    feet: on which it stands. masses: for each the mass, kg, the position of its centre, mm, (frames,) or (), and its
+    place along the shaft, mm. pivots: positions of the fixed pivots, mm. height: along the shaft, mm; nan if unknown.
+    """
+
+    feet: tuple[Foot, ...]
+    masses: tuple[tuple[float, Complex, float], ...]
+    pivots: tuple[complex, ...]
+    height: float
+
+    def at_frames(self, rows: Whole | slice) -> Standing:
+        """The same at some of its frames."""
+        feet = (
+            replace(foot, drive=foot.drive[rows], position=foot.position[rows], velocity=foot.velocity[rows])
+            for foot in self.feet
+        )
+        masses = ((mass, place[rows], across) for mass, place, across in self.masses)
+        return Standing(tuple(feet), tuple(masses), self.pivots, self.height)
+
+    def placed(self, placement: ShaftPlacement, is_reversed: bool, face: float) -> Standing:
+        """The same in its place in a machine, in the frame of this. face: the lower one of the mechanism, mm."""
+
+        def height(across: float) -> float:
+            return face + (self.height - across if is_reversed else across)
+
+        feet = (
+            Foot(foot.drive, placement.place(foot.position), placement.vector(foot.velocity), height(foot.across),
+                 foot.mirrored != placement.mirrored)
+            for foot in self.feet
+        )  # fmt: skip
+        masses = ((mass, placement.place(place), height(across)) for mass, place, across in self.masses)
+        pivots = (complex(placement.place(place)) for place in self.pivots)
+        return Standing(tuple(feet), tuple(masses), tuple(pivots), self.height)
 
 
 @record(eq=False)

@@ -4,14 +4,25 @@ from __future__ import annotations
 
 import dataclasses
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import ClassVar, Self
 
+from ..core.errors import DesignError, shown
 from ..model.check import Check
 from ..model.motor import RotatingBody
-from ..model.scene import Scene, SceneHandle
+from ..model.scene import Scene, SceneBody, SceneHandle
 from ..plane.vec import Complex, Real
-from .aspect import ALONE, Setting
+from .aspect import ALONE, Setting, Standing
+
+
+def layer_heights(bodies: Iterable[SceneBody]) -> dict[int, float]:
+    """Thickness of each layer, mm; a layer of spacers is as thick as the thickest."""
+    heights: dict[int, float] = {}
+    for body in bodies:
+        for part in (None, *body.parts):
+            heights[body.layer] = max(part.thickness if part else 0.0, heights.get(body.layer, 0.0))
+    most = max(heights.values(), default=0.0)
+    return {k: heights.get(k) or most for k in range(min(heights, default=0), max(heights, default=-1) + 1)}
 
 
 class AbstractPlaced:
@@ -45,6 +56,33 @@ class AbstractPlaced:
         Positive in the direction in which the rotations count.
         """
         return None
+
+    @property
+    def standing_point(self) -> str:
+        """The point of its recipe on which it stands by the forces that carry its weight; empty if it is no walker."""
+        return ""
+
+    def number_of_feet(self, foot: str) -> int:
+        """Of the mechanism and its copies; DesignError if this point cannot be a foot that carries weight."""
+        problem, remedy = f"found {shown(foot)}, but no recipe of a linkage", "omit it, or let a linkage stand"
+        raise DesignError("foot", problem, remedy, "conflict")
+
+    def standing_at(self, turn: Real, foot: str) -> Standing:
+        """Its feet and its masses at rotations as in `scene_at`.
+
+        foot: name of the point that stands; empty if it is only carried. By default screws and shafts do not count.
+        """
+        scene = self.scene_at(turn)
+        heights = layer_heights(scene.bodies)
+        faces = {layer: sum(h for k, h in heights.items() if k < layer) for layer in heights}
+        masses = (
+            (float(part.mass.mass), body.origin + body.direction * part.mass.centre,
+             faces[body.layer] + heights[body.layer] / 2)
+            for body in scene.bodies
+            for part in body.parts
+            if part.mass is not None
+        )  # fmt: skip
+        return Standing((), tuple(masses), (), sum(heights.values()))
 
     @property
     def depends_on_setting(self) -> bool:

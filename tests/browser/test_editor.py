@@ -212,7 +212,7 @@ def test_a_point_of_a_body_has_two_numbers_and_no_buttons_for_more(studio):
 
 
 def test_a_machine_has_fields_for_its_mechanisms_and_for_the_recipes_in_it(studio, tmp_path):
-    (tmp_path / "walking-leg.toml").write_text((RECIPES / "walking-leg.toml").read_text())
+    (tmp_path / "walker.toml").write_text((RECIPES / "walker.toml").read_text())
     editor = studio((RECIPES / "geared-legs.toml").read_text())
     page, module = editor.page, "mechanisms.train.recipe.train.module"
     fill(page, "mechanisms.right.phase_deg", "150")

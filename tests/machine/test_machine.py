@@ -328,7 +328,7 @@ def test_goal_is_a_mechanism_too():
 
 
 def test_pictures_of_the_layers_have_the_parts_of_the_steps():
-    own = gk.load("recipes/geared-legs.toml")
+    own = legs()
     parts = []
     for name, bodies in own.scene.units.items():
         for body in bodies:

@@ -22,7 +22,10 @@ def placed(recipe, **more):
 def walker():
     table = tomllib.loads(gk.recipe.to_toml(gk.load(WALKER)))
     del table["stock"]["motor"]
-    del table["files"], table["loads"]["motor"], table["loads"]["motors"], table["loads"]["battery_wh"]
+    for key in ("motor", "motors", "battery_wh", "carried"):
+        del table["loads"][key]
+    del table["files"]
+    table["loads"]["foot_friction"] = 0.0
     return table
 
 
@@ -44,11 +47,13 @@ def test_a_run_in_a_machine_is_refused_by_its_key():
 @pytest.mark.parametrize(("angle", "stands"), [(0, True), (90, False)])
 def test_a_walker_that_a_machine_turns_is_not_said_to_stand(angle, stands):
     machine = gk.load(placed(walker(), angle_deg=angle))
-    checks = {check.id: check for check in machine.design_checks}
-    assert checks["bar_support_margin"].passed == stands == np.isfinite(checks["bar_support_margin"].value)
-    # Its feet carry its weight by statics only if it stands.
-    assert ("bar_weight_carried" in checks) != stands
-    assert bool(machine.recipes["bar"].aspect("loads").walking) == stands
+    checks = {check.id: check for check in machine.torques.walking.checks}
+    assert checks["support_margin"].passed == stands == np.isfinite(checks["support_margin"].value)
+    # Its feet carry the weight of the machine by statics only if it stands.
+    assert ("weight_carried" in checks) != stands
+    assert bool(machine.recipes["bar"].aspect("loads").feet) == stands == bool(machine.torques.walking.walking)
+    # The machine has these checks, and its mechanism none of its own.
+    assert not [check.id for check in machine.recipes["bar"].aspect("foot").checks]
 
 
 @pytest.mark.parametrize("distance", [40.5, 41, 41.5])

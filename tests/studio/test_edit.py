@@ -221,15 +221,15 @@ def keys_of(groups):
 
 
 def test_the_form_of_a_machine_has_the_fields_of_its_mechanisms():
-    text, leg = (Path(f"recipes/{stem}.toml").read_text() for stem in ("geared-legs", "walking-leg"))
-    files = {"walking-leg.toml": leg}
+    text, leg = (Path(f"recipes/{stem}.toml").read_text() for stem in ("geared-legs", "walker"))
+    files = {"walker.toml": leg}
     groups = {group["key"]: group for group in recipe_form("machine", answer(text, files, {})["values"])["groups"]}
     fields = {field["key"]: field for group in groups.values() for field in group["fields"]}
     # Values of the machine's own text have the units and limits of their kind; those of a file are edited in it.
     assert (fields["mechanisms.right.phase_deg"]["unit"], fields["mechanisms.left.angle_deg"]["most"]) == ("deg", 360)
     train = {field["key"]: field for group in recipe_form("gear-train")["groups"] for field in group["fields"]}
     assert fields["mechanisms.train.recipe.train.module"] | {"key": "train.module"} == train["train.module"]
-    assert "walking-leg.toml" in groups["mechanisms.left"]["help"]
+    assert "walker.toml" in groups["mechanisms.left"]["help"]
     assert not [key for key in fields if key.startswith("mechanisms.left.recipe.")]
     # Each of them can be set, and the text keeps its form.
     changes = {"mechanisms.right.phase_deg": 170, "mechanisms.train.recipe.train.module": 1.1}

@@ -13,6 +13,7 @@ from ...model.motor import Motor
 from ...plane.vec import Real
 from ..drive_limits import largest_between
 from ..dynamics.inverse import ForceAnalysis
+from ..dynamics.loads import Force
 from ..dynamics.wrenches import NEWTON
 from ..linkage import Linkage
 from ..motion import Motion
@@ -20,7 +21,7 @@ from .aspects import AbstractLinkageAspect
 from .copies import Copied
 from .loads import LoadsTable
 from .motor_comparison import POSITIONS
-from .walking import Walking, walking_of
+from .walking import Walking, forces_on_legs, walking_of
 
 # Name of the effort with that of the copies among the peaks.
 EFFORT = "effort"
@@ -42,12 +43,15 @@ class AbstractLinkageForces(AbstractLinkageAspect[LoadsTable]):
 
     @cached_property
     def walking(self) -> Walking | None:
-        """The feet that carry a walker with its mounted motor; None if they carry nothing or are given forces."""
+        """The feet that carry a walker with its mounted motor; None if they carry nothing or are given forces.
+
+        None also if it is a leg of a machine, whose weight it carries.
+        """
         return self.walking_with(None)
 
     def walking_with(self, motor: Motor | None) -> Walking | None:
         """As `walking`, with another motor at the place of the mounted one."""
-        if self._pushed:
+        if self._pushed or self.mechanism.setting.feet is not None:
             return None
         gravity = self.given.gravity_in(self.mechanism.setting)
         return walking_of(self.mechanism, gravity, self.given.foot_friction, motor)
@@ -55,34 +59,44 @@ class AbstractLinkageForces(AbstractLinkageAspect[LoadsTable]):
     @property
     def _pushed(self) -> bool:
         """Whether forces at the feet of a walker are given."""
-        return any(force.point == self.mechanism.foot for force in self.given.forces)
+        return self.mechanism.foot is not None and self.given.pushes(self.mechanism.foot)
+
+    @cached_property
+    def feet(self) -> tuple[Force, ...]:
+        """The forces that carry a walker, or its machine, at the foot of the linkage and of each copy."""
+        return self.feet_of(self.walking)
+
+    def feet_of(self, walking: Walking | None) -> tuple[Force, ...]:
+        """As `feet`, of a walker with another motor."""
+        own = walking.on_feet(str(self.mechanism.foot)) if walking else None
+        forces = own or self.mechanism.setting.feet
+        return forces_on_legs(forces, self.linkage) if forces else ()
 
     @cached_property
     def analysis(self) -> ForceAnalysis:
         """Driver effort and joint forces of the first linkage."""
-        return self._analysis(self.mechanism.motion, self.walking)
+        return self._analysis(self.mechanism.motion, self.feet)
 
     def _analysis(
-        self, motion: Motion, walking: Walking | None, copy: Copied | None = None, leg: int = 0
+        self, motion: Motion, feet: tuple[Force, ...], copy: Copied | None = None, leg: int = 0
     ) -> ForceAnalysis:
         """Forces of the first linkage in a motion of it, or of a copy; leg: its number."""
         setting = self.mechanism.setting
         if copy is not None:
             motion, setting = copy.motion, setting.turned_over if copy.mirrored else setting
-        feet = (walking.forces[leg],) if walking else ()
-        return self.given.forces_of(motion, self.masses, setting, feet)
+        return self.given.forces_of(motion, self.masses, setting, feet[leg : leg + 1])
 
     @cached_property
     def effort(self) -> Real:
         """Torque of the driver, N mm, with those of the copies; the force if a slide drives, N."""
-        return self._effort(self._legs(self.mechanism.motion, self.walking))
+        return self._effort(self._legs(self.mechanism.motion, self.feet))
 
-    def _legs(self, motion: Motion, walking: Walking | None) -> list[tuple[ForceAnalysis, Copied | None]]:
+    def _legs(self, motion: Motion, feet: tuple[Force, ...]) -> list[tuple[ForceAnalysis, Copied | None]]:
         """The forces of the linkage in a motion, and of its copies."""
         made = self.mechanism
         copies = made.moving_copies if motion is made.motion else made.copies_of(motion)
-        first = self.analysis if motion is made.motion and walking is self.walking else self._analysis(motion, walking)
-        others = ((self._analysis(motion, walking, copy, k), copy) for k, copy in enumerate(copies, 1))
+        first = self.analysis if motion is made.motion and feet is self.feet else self._analysis(motion, feet)
+        others = ((self._analysis(motion, feet, copy, k), copy) for k, copy in enumerate(copies, 1))
         return [(first, None), *others]
 
     def _effort(self, legs: Sequence[tuple[ForceAnalysis, Copied | None]]) -> Real:
@@ -93,20 +107,20 @@ class AbstractLinkageForces(AbstractLinkageAspect[LoadsTable]):
             total = total - torque if copy.mirrored else total + torque
         return total
 
-    def effort_in(self, motion: Motion, walking: Walking | None) -> Real:
+    def effort_in(self, motion: Motion, feet: tuple[Force, ...]) -> Real:
         """The torque of the driver with those of the copies in another motion of the linkage, N mm."""
-        return self._effort(self._legs(motion, walking))
+        return self._effort(self._legs(motion, feet))
 
     def torque_at(self, turn: Real) -> Real:
         motion, rows = self.mechanism.moved_at(turn)
-        return self.effort_in(motion, self.walking)[rows]
+        return self.effort_in(motion, self.feet)[rows]
 
     @cached_property
     def dense(self) -> tuple[Motion, Real]:
         """A motion in small steps over the range of the driver, and the effort with that of the copies in it."""
         frames = self.mechanism.input_range.frames
         motion = self.mechanism.moved(np.linspace(frames[0], frames[-1], max(POSITIONS, len(frames))))
-        return motion, self.effort_in(motion, self.walking)
+        return motion, self.effort_in(motion, self.feet)
 
     @cached_property
     def work(self) -> Real:
@@ -131,7 +145,7 @@ class AbstractLinkageForces(AbstractLinkageAspect[LoadsTable]):
         names = ("driver", EFFORT, *self.linkage.pins)
 
         def sizes(motion: Motion) -> Real:
-            legs = self._legs(motion, self.walking)
+            legs = self._legs(motion, self.feet)
             leg, copy = legs[self._most_loaded]
             forces = (
                 np.fmax.reduce([np.abs(leg.pin(pin, body))[copy.rows if copy else slice(None)] for body in bodies[1:]])
@@ -139,7 +153,7 @@ class AbstractLinkageForces(AbstractLinkageAspect[LoadsTable]):
             )
             return np.array([np.abs(legs[0][0].driver), np.abs(self._effort(legs)), *forces])
 
-        if not self.walking:
+        if not self.feet:
             found = largest_between(self.mechanism.motion, sizes)
         else:
             # The forces at the feet are linear between positions of which each is one of these.
@@ -152,4 +166,4 @@ class AbstractLinkageForces(AbstractLinkageAspect[LoadsTable]):
     @property
     def _most_loaded(self) -> int:
         """Number of the leg of a walker whose foot carries most."""
-        return int(np.argmax(self.walking.largest)) if self.walking else 0
+        return int(np.argmax([np.abs(foot.force.values).max() for foot in self.feet])) if self.feet else 0

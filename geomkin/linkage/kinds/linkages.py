@@ -22,6 +22,7 @@ from ...model.part import Part
 from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...plane.vec import Real
+from ...recipe.aspect import Standing
 from ...recipe.composed import AbstractComposedRecipe, AspectKinds
 from ...recipe.recipe import Additions, mass_summary
 from ...recipe.settings import Files, Stroke, Turn
@@ -57,7 +58,7 @@ from .moved import (
     coefficients_entry,
     components_entry,
 )
-from .stance import StandingAspect
+from .stance import StandingAspect, check_foot, standing_of
 from .straight_lines import StraightLineAspect, StraightLineTable, moving_points, straight_line_entry
 from .tolerances import TolerancesAspect, TolerancesTable, tolerances_entry
 
@@ -242,6 +243,22 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         for aspect in self.aspects:
             scene = aspect.with_bodies(scene, motion)
         return scene.at_frames(rows)
+
+    @property
+    def standing_point(self) -> str:
+        foot, loads = getattr(self, "foot", None), getattr(self, "loads", None)
+        return "" if foot is None or (loads and loads.pushes(foot)) else foot
+
+    def number_of_feet(self, foot: str) -> int:
+        check_foot(foot, self.linkage.linkage)
+        if (loads := getattr(self, "loads", None)) and loads.pushes(foot):
+            problem = f"found one at {foot}, which carries its share of the weight of the machine"
+            raise DesignError("recipe.loads.forces", problem, "omit it, or foot of this mechanism", "conflict")
+        return 1 + len(self.made.copies)
+
+    def standing_at(self, turn: Real, foot: str) -> Standing:
+        motion, rows = self.made.moved_at(turn)
+        return standing_of(self.made, motion, foot).at_frames(rows)
 
     @property
     def parts(self) -> tuple[Part, ...]:

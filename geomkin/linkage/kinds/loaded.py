@@ -158,7 +158,7 @@ class LoadsAspect(AbstractLinkageForces):
             if self.mechanism.foot and not walking and not self._pushed:
                 continue  # It falls over, or is in the air.
             step = walking.step if walking else 0.0
-            torque_in = partial(self.effort_in, walking=walking)
+            torque_in = partial(self.effort_in, feet=self.feet_of(walking))
             compared.append(compared_motor(self.mechanism, motor, torque_in, step, self.given.battery_wh))
         return tuple(compared)
 
@@ -215,7 +215,7 @@ class LoadsAspect(AbstractLinkageForces):
         moment = f"shaking moment of the masses about {at}"
         yield Column("shaking_moment", "N mm", moment, analysis.shaking_moment)
         if self.walking:
-            yield from self.walking.columns(self.mechanism)
+            yield from self.walking.columns(self.mechanism.motion.drive)
         if self.balanced:
             yield from self.balanced.columns
         if self.run:
@@ -233,8 +233,7 @@ class LoadsAspect(AbstractLinkageForces):
             Plot("moments of slides", tuple(f"{slide.name}_moment" for slide in linkage.slides if slide.is_aligned)),
             Plot("forces of teeth", tuple(f"{mesh.name}_tooth_force" for mesh in linkage.meshes)),
             Plot("shaking force", ("shaking_force",)),
-            Plot("loads of the feet", self.walking.load_ids if self.walking else ()),
-            Plot("speed of the walker", ("walking_speed",) if self.walking else ()),
+            *(self.walking.plots if self.walking else ()),
         ]
         yield from self.run.plots if self.run else ()
         yield from (plot for plot in plots if plot.columns)
@@ -282,7 +281,7 @@ class LoadsAspect(AbstractLinkageForces):
                 )
                 name = f"least distance of gas spring {k} from the ends of its stroke"
                 yield Check(f"gas_spring_{k}_stroke", name, room, "at least", 0.0, "mm", advice)
-        if not self.walking:
+        if not self.feet and self.mechanism.setting.feet is None:
             yield from weight_checks(self.mechanism, self.given)
         if self.balanced:
             yield self.balanced.check(self.analysis)
@@ -290,7 +289,7 @@ class LoadsAspect(AbstractLinkageForces):
             yield self._fluctuation_check
         yield from self.run.checks if self.run else ()
         if stock.material:
-            leg = self._legs(self.mechanism.motion, self.walking)[self._most_loaded][0]
+            leg = self._legs(self.mechanism.motion, self.feet)[self._most_loaded][0]
             yield from linkage_strength_checks(leg, stock, self.mechanism.stack)
 
     @property
@@ -313,7 +312,7 @@ class LoadsAspect(AbstractLinkageForces):
         analysis, slides = self.analysis, self.linkage.driven_slider is not None
         effort, unit = ("driver_force_N", "mm") if slides else ("driver_torque_N_mm", "deg")
         (dense, total), copies = self.dense, self.mechanism.copies
-        driver = self._analysis(dense, self.walking).driver if copies else total
+        driver = self._analysis(dense, self.feet).driver if copies else total
         efforts = {effort: ("driver", driver, analysis.driver)}
         efforts |= {"shaft_torque_N_mm": (EFFORT, total, self.effort)} if copies else {}
         result: dict[str, object] = {}

@@ -241,6 +241,10 @@ class LoadsTable:
         "motion that follows from a torque or from the motor, with torque_n_mm, start_rpm and turns", default=None
     )
 
+    def pushes(self, point: str) -> bool:
+        """Whether a force at a point is given."""
+        return any(force.point == point for force in self.forces)
+
     @property
     def has_dry_friction(self) -> bool:
         """Whether a pin or a slide has dry friction."""

@@ -256,10 +256,10 @@ class MadeLinkage(DrivenLinkage):
 
     @property
     def shaft_items(self) -> tuple[Bought, ...]:
-        """Items of `bought` that a shaft through their joint replaces, each for one joint."""
-        motors = {stack.letters[pin.name] for stack in self.stacks for pin in stack.pins if pin.motor}
-        bills = joint_bills(self.stacks, self.shared, self.stock.thickness)
-        return tuple(Bought(name, n, (joint,)) for joint, bill in bills if joint not in motors for name, n in bill)
+        """Items of `bought` that a shaft through their joint replaces, each for one joint of the first linkage."""
+        stack, rod = self.stack, self.shared[0].pin if self.shared else ""
+        bills = ((stack.letters[pin.name], stack.bill(pin)) for pin in stack.pins if not pin.motor and pin.name != rod)
+        return tuple(Bought(name, count, (joint,)) for joint, bill in bills for name, count in bill)
 
     @property
     def steps(self) -> tuple[str, ...]:

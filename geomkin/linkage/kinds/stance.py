@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
@@ -12,18 +12,19 @@ import numpy as np
 from ...core.errors import DesignError, shown
 from ...core.fields import entry, to_digits
 from ...core.records import record
-from ...core.units import mm
-from ...model.check import Check
+from ...core.units import bare_mm, mm
+from ...model.check import Check, Suggestion
 from ...model.motor import Motor
 from ...plane.vec import Complex, Real, without_rounding
-from ..checks import in_driver_unit
-from ..drive_limits import largest_between
+from ...recipe.aspect import Foot, Standing
+from ..drive_limits import largest_over, moved_to
 from ..linkage import Linkage
 from ..motion import Motion
 from ..parts.stack import Stack
 from ..standing import foot_shares, foot_slip, ground_slopes, support_margin
 from .aspects import AbstractLinkageAspect
 from .copies import Copied
+from .loads import CarriedMass
 from .made import MadeLinkage
 
 # Steps in which the displacement of a centre of mass is found that lets a walker stand.
@@ -55,8 +56,8 @@ def foot_entry() -> Any:
     )
 
 
-def check_foot(foot: str, linkage: Linkage, count: int) -> None:
-    """Refuse a foot that is no point of a moving body, or too few feet. count: number of linkages."""
+def check_foot(foot: str, linkage: Linkage, count: int = FEWEST_FEET) -> None:
+    """Refuse a foot that is no point of a moving body, or too few feet. count: number of linkages that stand."""
     fixed = linkage.bodies[linkage.ground]
     points = dict.fromkeys(point for names in linkage.bodies.values() for point in names if point not in fixed)
     if foot not in points:
@@ -70,19 +71,35 @@ def check_foot(foot: str, linkage: Linkage, count: int) -> None:
 class Stance:
     """The feet of a linkage and its copies over a turn, seen from above: x along the path, y along the shaft, mm.
 
-    feet, height, velocity: of the feet in the frame, shape (feet, frames); the velocity is along the path, mm/s.
-    centre: of mass, one or one for each frame; in the middle of all fixed pivots if no mass is known. mass: of all, kg.
-    motion: of the first linkage. copies: of the linkage, the first one included. of: how it stands in another motion.
+    legs: the feet in the frame of the walker. centre: of mass, one or one for each frame; in the middle of all fixed
+    pivots if no mass is known. mass: of all, kg. drive: of the first leg, rad. of: how it stands at other positions.
+    carried: mass and place of what the recipe lets it carry.
     """
 
-    feet: Complex
-    height: Real
-    velocity: Real
+    legs: tuple[Foot, ...]
     centre: complex | Complex
     mass: float
-    motion: Motion
-    copies: tuple[Copied, ...]
-    of: Callable[[Motion], Stance]
+    drive: Real
+    of: Callable[[Real], Stance]
+    carried: tuple[tuple[float, complex], ...] = ()
+
+    @cached_property
+    def feet(self) -> Complex:
+        """The feet from above, (feet, frames)."""
+        return np.array([foot.position.real + 1j * foot.across for foot in self.legs])
+
+    @cached_property
+    def height(self) -> Real:
+        """Height of the feet, mm, (feet, frames)."""
+        return np.array([foot.position.imag for foot in self.legs])
+
+    @cached_property
+    def velocity(self) -> Real:
+        """Velocity of the feet in the frame along the path, mm/s, (feet, frames)."""
+        return np.array([foot.velocity.real for foot in self.legs])
+
+    def _at(self, drive: Real) -> Stance:
+        return self if drive is self.drive else self.of(drive)
 
     @cached_property
     def margin(self) -> Real:
@@ -115,7 +132,7 @@ class Stance:
     @cached_property
     def least_margin(self) -> tuple[float, float]:
         """Least margin, mm, also between frames, and the drive there."""
-        largest, drive = largest_between(self.motion, lambda motion: -self.of(motion).margin)
+        largest, drive = largest_over(self.drive, lambda drive: -self._at(drive).margin)
         return without_rounding(-float(largest), float(np.abs(self.feet).max())), float(drive)
 
     @cached_property
@@ -124,10 +141,10 @@ class Stance:
         if not all(np.isfinite(tilt).all() for tilt in self.tilt_deg.values()):
             return dict.fromkeys(self.tilt_deg, (np.nan, np.nan))
 
-        def both_ways(motion: Motion) -> Real:
-            return np.concatenate([(-tilt, tilt) for tilt in self.of(motion).tilt_deg.values()])
+        def both_ways(drive: Real) -> Real:
+            return np.concatenate([(-tilt, tilt) for tilt in self._at(drive).tilt_deg.values()])
 
-        ends = largest_between(self.motion, both_ways)[0].reshape(-1, 2).tolist()
+        ends = largest_over(self.drive, both_ways)[0].reshape(-1, 2).tolist()
         return {direction: (0.0 - low, high) for direction, (low, high) in zip(self.tilt_deg, ends)}
 
     @property
@@ -145,23 +162,34 @@ class Stance:
             shift += (size * 2e-3 - float(margins[0])) * gradient / abs(gradient) ** 2
         return None
 
-    @property
-    def checks(self) -> Iterator[Check]:
-        """That the centre stays above the support polygon, and that the frame rocks little."""
+    def checks(self, key: str, tilt_advice: str) -> Iterator[Check]:
+        """That the centre stays above the support polygon, and that the frame rocks little.
+
+        key: of the table with `carried` in the recipe.
+        """
         least, drive = self.least_margin
-        advice = "give further copies at other phases, or mirrored ones, so that a foot is on each side of the frame"
+        at, values = float(np.degrees(drive)), dict[str, float | str]()
+        advice = "give further legs at other phases, or mirrored ones, so that a foot is on each side of the frame"
         if not least >= 0 and (shift := self.shift_that_stands) is not None:
-            x, y = (self.mass * shift.real, self.mass * shift.imag)
-            words = f"{x:+.4g} kg mm along the path and {y:+.4g} kg mm along the shaft, its mass times the displacement"
-            advice = f"it tips: displace what it carries, or add a mass, by {words}; or {advice}"
-        at = in_driver_unit(self.motion, drive)
+            moment = self.mass * shift
+            words = f"displace what it carries, or add a mass, by {moment.real:+.4g} kg mm along the path and "
+            words += f"{moment.imag:+.4g} kg mm along the shaft, its mass times the displacement"
+            if self.carried:
+                number, (mass, place) = max(enumerate(self.carried), key=lambda item: item[1][0])
+                moved = place + moment / mass
+                along, across = (to_digits(float(z), 6) for z in (moved.real, moved.imag))
+                words = f"give along = {bare_mm(along):.6g} and across = {bare_mm(across):.6g} in the table of "
+                words += f"{key}.carried with {mass:g} kg"
+                values = {f"{key}.carried[{number}].along": along, f"{key}.carried[{number}].across": across}
+            advice = f"it tips with its driver at {at:.5g} deg: {words}; or {advice}"
         name = "least distance of the frame's centre inside its feet"
-        yield Check("support_margin", name, least, "at least", 0, "mm", advice, at=at)
-        phases = "phases by which three feet always stand, by" if len(self.feet) >= 6 else "six legs, by"
-        advice = f"give {phases} {SIX_LEGS} above the first table in place of others, or a leg whose foot keeps level"
+        suggestions = (Suggestion(values, "mm"),) if values else ()
+        yield Check(
+            "support_margin", name, least, "at least", 0, "mm", advice, at=at, suggestions=suggestions
+        )  # fmt: skip
         for direction, (low, high) in self.tilt_range_deg.items():
             name = f"tilt {direction} the path, largest minus least"
-            yield Check(f"tilt_{direction}", name, high - low, "at most", MOST_ROCKING_DEG, "deg", advice)
+            yield Check(f"tilt_{direction}", name, high - low, "at most", MOST_ROCKING_DEG, "deg", tilt_advice)
 
     @property
     def remarks(self) -> Iterator[str]:
@@ -173,15 +201,14 @@ class Stance:
             x, y = centre.real, centre.imag
             yield (
                 f"It stands: its centre of mass, of {self.mass:.4g} kg, is "
-                f"{mm(x.min(), x.max(), between=' to '):.4g} along the path from the first shaft and "
-                f"{mm(y.min(), y.max(), between=' to '):.4g} from the outer face of the first ground, at least "
+                f"{mm(x.min(), x.max(), between=' to '):.4g} along the path from its origin and "
+                f"{mm(y.min(), y.max(), between=' to '):.4g} along the shaft from its first outer face, at least "
                 f"{mm(margin):.2g} inside its feet. Rods and tubes of the frame are not weighed."
             )
         elif margin > 0 and np.ndim(self.centre) == 0:
             yield (
-                f"It stands if its weight is in the middle, {mm(self.centre.imag):.4g} from the outer face of the "
-                "first "
-                f"ground: fix the battery so that it balances there, within {mm(margin):.2g}."
+                f"It stands if its weight is in the middle, {mm(self.centre.imag):.4g} from its first outer face: "
+                f"fix the battery so that it balances there, within {mm(margin):.2g}."
             )
 
     @property
@@ -207,13 +234,19 @@ class StandingAspect(AbstractLinkageAspect[str]):
 
     @cached_property
     def stance(self) -> Stance | None:
-        """How it stands over a turn; None if the distances of the copies are unknown."""
-        return stance_of(self.mechanism)
+        """How it stands over a turn; None if the distances of the copies are unknown, or if a machine walks on it."""
+        return None if self._is_leg else stance_of(self.mechanism)
+
+    @property
+    def _is_leg(self) -> bool:
+        return self.mechanism.setting.feet is not None
 
     @property
     def checks(self) -> Iterator[Check]:
         advice = "a machine turns it, and its feet are at -y of its own recipe: give angle_deg = 0"
-        for check in self.stance.checks if self.stance else ():
+        phases = "phases by which three feet always stand, by" if len(self.mechanism.copies) >= 5 else "six legs, by"
+        tilt = f"give {phases} {SIX_LEGS} above the first table in place of others, or a leg whose foot keeps level"
+        for check in self.stance.checks("loads", tilt) if self.stance else ():
             yield replace(check, value=np.nan, at=None, advice=advice) if self._is_turned else check
 
     @property
@@ -222,7 +255,7 @@ class StandingAspect(AbstractLinkageAspect[str]):
 
     @property
     def remarks(self) -> Iterator[str]:
-        if not self._is_turned:
+        if not self._is_turned and not self._is_leg:
             yield from self.stance.remarks if self.stance else (UNKNOWN_STANCE,)
 
     @property
@@ -236,50 +269,78 @@ def stance_of(made: MadeLinkage, motion: Motion | None = None, motor: Motor | No
     motion: of the first linkage, by default at the frames of the table. motor: that it carries, by default the mounted
     one, at its shaft and at the outer face of the first ground.
     """
-    if made.foot is None or any(not rod.pin for rod in made.shared):
+    foot, first, motor = made.foot, motion or made.motion, motor or made.mounted_motor
+    if foot is None or not np.isfinite((standing := standing_of(made, first, foot)).height):
         return None
-    motion, motor = motion or made.motion, motor or made.mounted_motor
-    linkage, sheet = motion.linkage, made.stock.thickness
+    motors = []
+    if motor is not None and (standing.masses or made.carried):
+        shaft = first.point(str(first.linkage.driver_pivot)).position[0].real
+        motors.append((1e-3 * motor.mass_g, complex(shaft)))
+
+    def standing_at(drive: Real) -> Standing:
+        return standing_of(made, moved_to(first, drive), foot).at_frames(slice(1, None))
+
+    return stance_with(standing, made.carried, motors, first.drive, standing_at)
+
+
+def stance_with(
+    standing: Standing,
+    carried: Sequence[CarriedMass],
+    motors: Sequence[tuple[float, complex]],
+    drive: Real,
+    standing_at: Callable[[Real], Standing],
+) -> Stance:
+    """How a walker stands with what it carries besides its parts.
+
+    motors: mass, kg, and place from above, mm. drive: positions of the driver of the first leg, rad. standing_at: feet
+    and masses at other ones.
+    """
+    middle = complex(np.mean([place.real for place in standing.pivots]), standing.height / 2)
+    places = (
+        complex(
+            middle.real if given.along is None else given.along, middle.imag if given.across is None else given.across
+        )
+        for given in carried
+    )
+    placed = tuple(zip((given.mass_kg for given in carried), places))
+    own = ((mass, place.real + 1j * across) for mass, place, across in standing.masses)
+    masses: list[tuple[float, complex | Complex]] = [*own, *placed, *motors]
+    mass = sum(each for each, _ in masses)
+    total: complex | Complex = sum((each * place for each, place in masses), 0j)
+
+    def of(other: Real) -> Stance:
+        return stance_with(standing_at(other), carried, motors, other, standing_at)
+
+    return Stance(standing.feet, total / mass if mass else middle, mass, drive, of, placed)
+
+
+def standing_of(made: MadeLinkage, motion: Motion, foot: str) -> Standing:
+    """The feet and the masses of a linkage and its copies in a motion, without a motor; foot: empty if it has none.
+
+    The height is nan if no rod joins two of the copies.
+    """
+    linkage, sheet, start = motion.linkage, made.stock.thickness, 0.0
     bodies = {**made.masses, **made.given_masses}
-    body = next(name for name, points in linkage.bodies.items() if made.foot in points)
+    leg = next((name for name, points in linkage.bodies.items() if foot in points), "")
     pivots = [pin for pin, joined in linkage.pins.items() if linkage.ground in joined]
     copies = (Copied(motion, np.arange(len(motion.drive))), *made.copies_of(motion))
-    feet, height, velocity, fixed, start = [], [], [], [], 0.0
-    moment, mass = np.zeros(len(motion.drive), dtype=complex), 0.0
-    rooms = (*(rod.room for rod in made.shared), 0.0)
-    for copy, stack, room in zip(copies, made.stacks, rooms):
+    feet, masses, fixed = [], [], []
+    for copy, stack, room in zip(copies, made.stacks, (*(rod.room for rod in made.shared), 0.0)):
         total = (1 + max(stack.layers.values())) * sheet
-        foot = copy.motion.point(made.foot)
-        place = copy.place(foot.position)
         across = partial(_across, stack, total, sheet, copy.mirrored)
-        feet.append(place.real + 1j * (start + across(body)))
-        height.append(place.imag)
-        velocity.append(foot.velocity[copy.rows].real * (-1 if copy.mirrored else 1))
-        fixed += [copy.place(copy.motion.point(pin).position)[0].real for pin in pivots]
+        if foot:
+            moved = copy.motion.point(foot)
+            velocity = copy.placement.vector(moved.velocity[copy.rows])
+            drive = copy.motion.drive[copy.rows]
+            feet.append(Foot(drive, copy.place(moved.position), velocity, start + across(leg), copy.mirrored))
+        fixed += [complex(copy.place(copy.motion.point(pin).position)[0]) for pin in pivots]
         for name, own in bodies.items():
             poses = copy.motion.bodies[name]
             mass_centre = poses.origin.position + poses.direction * own.centre
-            at = copy.place(np.broadcast_to(mass_centre, copy.motion.drive.shape)).real
-            moment, mass = moment + own.mass * (at + 1j * (start + across(name))), mass + float(own.mass)
+            at = copy.place(np.broadcast_to(mass_centre, copy.motion.drive.shape))
+            masses.append((float(own.mass), at, start + across(name)))
         start += total + room
-    middle = complex(np.mean(fixed), start / 2)
-    further = [
-        (given.mass_kg, middle.real if given.along is None else given.along, given.across) for given in made.carried
-    ]
-    if motor is not None and (mass or further):
-        shaft = motion.point(str(linkage.driver_pivot)).position[0].real
-        further.append((1e-3 * motor.mass_g, float(shaft), 0.0))
-    for own_mass, x, y in further:
-        moment, mass = moment + own_mass * complex(x, middle.imag if y is None else y), mass + own_mass
-    arrays = np.array(feet), np.array(height), np.array(velocity)
-    centre: complex | Complex = np.asarray(moment / mass, dtype=complex) if mass else middle
-
-    def of(other: Motion) -> Stance:
-        stance = stance_of(made, other, motor)
-        assert stance is not None
-        return stance
-
-    return Stance(*arrays, centre, mass, motion, copies, of)
+    return Standing(tuple(feet), tuple(masses), tuple(fixed), start)
 
 
 def _across(stack: Stack, total: float, sheet: float, is_mirrored: bool, body: str) -> float:

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 
 import numpy as np
 
 from ...core.fields import to_digits
 from ...core.records import record
 from ...model.motor import Motor
+from ...model.scene import Plot
 from ...model.table import Column
-from ...plane.vec import Real
+from ...plane.vec import Complex, Real
+from ...recipe.aspect import FootForces
 from ..dynamics.loads import DriveTable, Force
 from ..dynamics.wrenches import NEWTON
+from ..linkage import Linkage
 from .made import MadeLinkage
-from .stance import UPRIGHT, Stance, stance_of
+from .stance import Stance, stance_of
 
 # Positions over a turn, besides the frames of the table, between which the forces at the feet are interpolated. They
 # jump where a foot takes over, which takes one such step.
@@ -25,15 +29,22 @@ POSITIONS = 721
 class Walking:
     """The forces of the ground on the feet of a walker, at a constant speed of its frame over short times.
 
-    stance: at the positions of the forces. forces: on each leg, in its own frame. weight: N. friction: of its feet.
-    speed: of the frame along the path, mm/s, at these positions.
+    stance: at the positions of the forces. weight: N. friction: of its feet. driver_speed: of its legs, rad/s.
     """
 
     stance: Stance
-    forces: tuple[Force, ...]
     weight: float
     friction: float
-    speed: Real
+    driver_speed: float
+
+    @cached_property
+    def _forces(self) -> tuple[Complex, Real]:
+        return self.stance.ground_forces(self.weight, self.friction)
+
+    @property
+    def speed(self) -> Real:
+        """Speed of the frame along the path, mm/s."""
+        return self._forces[1]
 
     @property
     def largest(self) -> Real:
@@ -41,28 +52,35 @@ class Walking:
         largest: Real = self.weight * self.stance.shares.max(axis=1)
         return largest
 
+    def on_feet(self, point: str, numbers: slice = slice(None)) -> FootForces:
+        """The forces on some feet, each in the frame of its leg, which is upright; point: that stands."""
+        legs, forces = self.stance.legs[numbers], self._forces[0][numbers]
+        own = (-np.conj(force) if foot.mirrored else force for foot, force in zip(legs, forces))
+        return FootForces(point, tuple(foot.drive for foot in legs), tuple(own))
+
     @property
     def mean_speed(self) -> float:
         """Mean speed of the frame over a turn, mm/s."""
-        drive = self.stance.motion.drive
+        drive = self.stance.drive
         return float(np.trapezoid(self.speed, drive) / (drive[-1] - drive[0]))
 
     @property
     def step(self) -> float:
         """Distance walked in a turn of the shaft, mm."""
-        return abs(self.mean_speed * 2 * np.pi / float(np.mean(self.stance.motion.timing.speed)))
+        return abs(self.mean_speed * 2 * np.pi / self.driver_speed)
 
     @property
-    def load_ids(self) -> tuple[str, ...]:
-        """Ids of the columns of the loads of the feet."""
-        return tuple(f"foot_{k}_load" for k in range(1, 1 + len(self.forces)))
+    def plots(self) -> tuple[Plot, Plot]:
+        """Of the loads of the feet, and of the speed."""
+        loads = tuple(f"foot_{k}_load" for k in range(1, 1 + len(self.stance.legs)))
+        return Plot("loads of the feet", loads), Plot("speed of the walker", ("walking_speed",))
 
-    def columns(self, made: MadeLinkage) -> Iterator[Column]:
-        """Load of each foot and speed of the frame at the frames of the table."""
-        stance = self.stance.of(made.motion)
+    def columns(self, drive: Real) -> Iterator[Column]:
+        """Load of each foot and speed of the frame at positions of the driver."""
+        stance = self.stance.of(drive)
         forces, speed = stance.ground_forces(self.weight, self.friction)
-        for k, (id, force) in enumerate(zip(self.load_ids, forces), 1):
-            yield Column(id, "N", f"load of the foot of copy {k} by the weight of the walker", force.imag)
+        for k, (id, force) in enumerate(zip(self.plots[0].columns, forces), 1):
+            yield Column(id, "N", f"load of foot {k} by the weight of the walker", force.imag)
         yield Column("walking_speed", "mm/s", "speed of the walker along its path", speed)
 
     @property
@@ -81,21 +99,20 @@ def walking_of(made: MadeLinkage, gravity: complex, friction: float, motor: Moto
 
     gravity: in its own frame, mm/s2. motor: that it carries, by default the mounted one.
     """
-    upright = abs(made.setting.direction - 1) <= UPRIGHT and not gravity.real and gravity.imag < 0
-    if made.foot is None or not upright or made.setting.mirrored:
+    if made.foot is None or gravity.real or gravity.imag >= 0:
         return None
     frames = made.input_range.frames
     positions = np.unique(np.concatenate([frames, np.linspace(frames[0], frames[-1], POSITIONS)]))
     stance = stance_of(made, made.moved(positions if frames[-1] > frames[0] else positions[::-1]), motor)
     if stance is None or not stance.mass or not np.isfinite(stance.shares).all():
         return None
-    weight = NEWTON * stance.mass * abs(gravity)
-    forces, speed = stance.ground_forces(weight, friction)
-    linkage = stance.motion.linkage
-    body = next(name for name, points in linkage.bodies.items() if made.foot in points)
-    legs = []
-    for copy, force in zip(stance.copies, forces):
-        drive, own = copy.motion.drive[copy.rows], -np.conj(force) if copy.mirrored else force
+    return Walking(stance, NEWTON * stance.mass * abs(gravity), friction, made.speed)
+
+
+def forces_on_legs(feet: FootForces, linkage: Linkage) -> tuple[Force, ...]:
+    """The forces at the feet as loads of a linkage and of its copies."""
+    body, legs = next(name for name, points in linkage.bodies.items() if feet.point in points), []
+    for drive, force in zip(feet.drives, feet.forces):
         order = np.argsort(drive, kind="stable")
-        legs.append(Force(body, made.foot, DriveTable(drive[order], own[order], 2 * np.pi)))
-    return Walking(stance, tuple(legs), weight, friction, speed)
+        legs.append(Force(body, feet.point, DriveTable(drive[order], force[order], 2 * np.pi)))
+    return tuple(legs)
