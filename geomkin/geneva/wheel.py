@@ -3,39 +3,43 @@
 from __future__ import annotations
 
 from functools import cached_property
+from itertools import pairwise
 from math import gcd
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..core.errors import DesignError
-from ..core.fields import FARTHEST, inside, quantity
+from ..core.fields import FARTHEST, entry, inside, quantity
 from ..core.records import record
 from ..core.units import mm
 from ..plane.curve import AbstractCurve
 from ..plane.joined import Path, PolarArray
-from ..plane.primitives import Arc, Segment
+from ..plane.primitives import Arc, Circle, Segment
 from ..plane.vec import Complex, Real, spaced_directions
 
 # Most slots and pins. With more the tips of the wheel are too thin to cut at any size that fits a machine.
 MOST_SLOTS, MOST_PINS = 24, 5
 # Largest difference from a wanted share of dwell that counts as rounding.
 SAME_SHARE = 1e-6
+# Least radius of the locking disc of an internal wheel over that of the crank: with less, wide tips sweep what is left
+# of the disc opposite the pin.
+LEAST_LOCK = 0.8
 
 
-def dwell_share(slots: int, pins: int) -> float:
+def dwell_share(slots: int, pins: int, internal: bool = False) -> float:
     """Share of the crank's turn in which the wheel is locked."""
-    return 1 - pins * (slots - 2) / (2 * slots)
+    return 1 - pins * (slots + (2 if internal else -2)) / (2 * slots)
 
 
-def most_pins(slots: int) -> int:
+def most_pins(slots: int, internal: bool = False) -> int:
     """Most pins of a crank that still locks the wheel between them."""
-    return max(k for k in range(1, MOST_PINS + 1) if dwell_share(slots, k) > 1e-9)
+    return max(k for k in range(1, MOST_PINS + 1) if dwell_share(slots, k, internal) > 1e-9)
 
 
 @record(checked=True)
 class GenevaWheel:
-    """An external Geneva drive; all lengths in mm.
+    """A Geneva drive; all lengths in mm.
 
     Parameters
     ----------
@@ -53,12 +57,17 @@ class GenevaWheel:
         How much wider the slots are than the rollers, and twice the gap between wheel and locking disc.
     tip_width : float, optional
         Width of the wheel's tips between slot and locking arc.
+    internal : bool, optional
+        Whether the wheel surrounds the crank. It then turns the same way, moves for more than half a turn, and has
+        its largest acceleration, which is smaller, as a pin enters and leaves.
 
     Examples
     --------
     >>> wheel = gk.geneva.GenevaWheel(60, slots=4)
     >>> round(wheel.crank_radius, 4), wheel.dwell
     (42.4264, 0.75)
+    >>> gk.geneva.GenevaWheel(60, slots=4, internal=True).dwell
+    0.25
     """
 
     distance: float = quantity("distance of the axes", "mm", above=0, at_most=FARTHEST, example=60)
@@ -82,27 +91,28 @@ class GenevaWheel:
     tip_width: float = quantity(
         "width of the wheel's tips between slot and locking arc", "mm", default=2.0, above=0, at_most=FARTHEST
     )
+    internal: bool = entry("whether the wheel surrounds the crank, and turns the same way", default=False)
 
     def __post_init__(self) -> None:
         if (self.slots is None) == (self.dwell_share is None):
             number = "neither" if self.slots is None else "both"
             raise DesignError("slots", f"found {number} slots and dwell_share", "give one of them", "conflict")
         slots, pins = self.numbers
-        if pins > (most := most_pins(slots)):
+        if pins > (most := most_pins(slots, self.internal)):
             problem = f"found {pins} for {slots} slots, so that the wheel never rests"
             raise DesignError("pins", problem, f"give at most {most}", "conflict")
-        mouth, floor, sine = self._mouth, self._floor, float(np.sin(np.pi / slots))
-        widest = 2 * min(floor * sine, self.crank_radius - self.distance + mouth) - self.clearance
+        widest = 2 * self._widest_half - self.clearance
         if self.roller >= widest:
             problem = f"found {mm(self.roller):g}, which leaves the wheel no room between its {slots} slots"
             remedy = "give a larger distance" + (f", or less than {mm(widest):down}" if widest > 0 else "")
             raise DesignError("roller", problem, remedy, "conflict", inside(widest, 1) if widest > 0 else None)
-        most_width = self.crank_radius - self.half_width - (self.distance - self.rim)
+        least_lock = LEAST_LOCK * self.crank_radius if self.internal else self.distance - self.rim - self.clearance / 2
+        most_width = self.crank_radius - self.half_width - self.clearance / 2 - least_lock
         if self.tip_width >= most_width:
             problem = f"found {mm(self.tip_width):g}, which leaves no locking arc"
             remedy = f"give less than {mm(most_width):down}, or a larger distance"
             raise DesignError("tip_width", problem, remedy, "conflict", inside(most_width, 1))
-        if self.clearance / 2 >= self.distance - self.rim:
+        if not self.internal and self.clearance / 2 >= self.distance - self.rim:
             problem = f"found {mm(self.clearance):g}, which leaves no locking disc at the crank's axis"
             raise DesignError("clearance", problem, "give a smaller one, or a larger distance", "conflict")
 
@@ -114,13 +124,18 @@ class GenevaWheel:
             return self.slots, self.pins or 1
         wanted = self.dwell_share
         counts = range(1, MOST_PINS + 1) if self.pins is None else (self.pins,)
-        pairs = [(n, k) for k in counts for n in range(3, MOST_SLOTS + 1) if k <= most_pins(n)]
-        below = max((p for p in pairs if dwell_share(*p) <= wanted + SAME_SHARE), key=_share_of, default=None)
-        above = min((p for p in pairs if dwell_share(*p) >= wanted - SAME_SHARE), key=_share_of, default=None)
-        if below and abs(dwell_share(*below) - wanted) <= SAME_SHARE:
+        pairs = [(n, k) for k in counts for n in range(3, MOST_SLOTS + 1) if k <= most_pins(n, self.internal)]
+        shares = {pair: dwell_share(*pair, self.internal) for pair in pairs}
+
+        def order(pair: tuple[int, int]) -> tuple[float, int]:
+            return shares[pair], -pair[1]
+
+        below = max((p for p in pairs if shares[p] <= wanted + SAME_SHARE), key=order, default=None)
+        above = min((p for p in pairs if shares[p] >= wanted - SAME_SHARE), key=order, default=None)
+        if below and abs(shares[below] - wanted) <= SAME_SHARE:
             return below
         nearest = " or ".join(
-            f"{dwell_share(*pair):.7g} ({pair[0]} slots, {pair[1]} {'pins' if pair[1] > 1 else 'pin'})"
+            f"{shares[pair]:.7g} ({pair[0]} slots, {pair[1]} {'pins' if pair[1] > 1 else 'pin'})"
             for pair in (below, above)
             if pair
         )
@@ -129,7 +144,12 @@ class GenevaWheel:
     @property
     def dwell(self) -> float:
         """Share of the crank's turn in which the wheel is locked."""
-        return dwell_share(*self.numbers)
+        return dwell_share(*self.numbers, self.internal)
+
+    @property
+    def sense(self) -> int:
+        """-1 if the wheel is internal, which changes the sign of the ratio in all formulas; otherwise 1."""
+        return -1 if self.internal else 1
 
     @property
     def crank_radius(self) -> float:
@@ -144,7 +164,7 @@ class GenevaWheel:
     @property
     def half_motion(self) -> float:
         """Angle of the crank from the entry of a pin to the line of centres, rad."""
-        return np.pi / 2 - np.pi / self.numbers[0]
+        return np.pi / 2 - self.sense * np.pi / self.numbers[0]
 
     @property
     def turns(self) -> int:
@@ -165,12 +185,40 @@ class GenevaWheel:
     @property
     def _floor(self) -> float:
         """Centre of the round floor of a slot, mm from the wheel's axis."""
-        return self.distance - self.crank_radius - self.clearance
+        return self.distance - self.sense * (self.crank_radius + self.clearance)
+
+    @property
+    def _widest_half(self) -> float:
+        """Half the width of a slot, mm, that leaves no wheel."""
+        if self.internal:
+            return (1 - LEAST_LOCK) * self.crank_radius - self.clearance / 2
+        sine = float(np.sin(np.pi / self.numbers[0]))
+        return min(self._floor * sine, self.crank_radius - self.distance + self._mouth)
+
+    @property
+    def _tip(self) -> float:
+        """Angle at the wheel's axis from the middle of a locking arc to the end of this arc, rad."""
+        radius = self.lock_radius + self.clearance / 2
+        return float(np.arccos((self.distance**2 + self.rim**2 - radius**2) / (2 * self.distance * self.rim)))
+
+    @property
+    def _swept(self) -> float:
+        """Distance from the axis of an internal wheel's crank to what its tips sweep opposite the pin, mm, at most.
+
+        The middle line of a tip's slot passes the pin, from which the tip is farthest on the line of centres.
+        """
+        tip = self.rim * np.exp(1j * (np.pi / self.numbers[0] - self._tip))
+        return float(abs(self.distance + self.crank_radius - tip)) - self.crank_radius
 
     @property
     def rim(self) -> float:
-        """Radius of the wheel at its tips, mm."""
+        """Radius of the wheel at its tips, mm: its largest, or of an internal wheel its smallest."""
         return float(np.hypot(self._mouth, self.half_width))
+
+    @property
+    def outer_radius(self) -> float:
+        """Largest radius of the wheel, mm; an internal one is as wide beyond its slots as a roller."""
+        return self._floor + self.half_width + self.roller if self.internal else self.rim
 
     @property
     def hub(self) -> float:
@@ -189,10 +237,17 @@ class GenevaWheel:
 
     @property
     def lock_play(self) -> float:
-        """Rotation of the locked wheel to either side, rad, from the gap of its locking arc."""
+        """Rotation of the locked wheel to either side, rad, from the gap of its locking arc amidst a dwell."""
+        if self.internal:
+            return self.clearance / 2 / self._mouth
         radius = self.lock_radius + self.clearance / 2
         cosine = (self.distance**2 + radius**2 - self.rim**2) / (2 * self.distance * radius)
         return self.clearance / 2 / (self.distance * float(np.sqrt(1 - cosine**2)))
+
+    @property
+    def lock_inside(self) -> float:
+        """Distance of the straight side of an internal wheel's lock from the crank's axis, mm, amidst its room."""
+        return (self._swept + self.lock_radius * self.ratio) / 2
 
     def pin_angle(self, turn: ArrayLike) -> tuple[Real, Real]:
         """Angle from the line of centres of the pin nearest to it, rad, and steps made so far, at turns of the crank.
@@ -207,13 +262,14 @@ class GenevaWheel:
     def rotation(self, turn: ArrayLike) -> Real:
         """Rotation of the wheel, rad, at rotations of the crank from its start in the middle of a dwell, rad."""
         angle, made = self.pin_angle(turn)
-        p, m, half = np.clip(angle, -self.half_motion, self.half_motion), self.ratio, np.pi / self.numbers[0]
-        return -(2 * half * made + half + np.arctan2(m * np.sin(p), 1 - m * np.cos(p)))
+        p, half = np.clip(angle, -self.half_motion, self.half_motion), np.pi / self.numbers[0]
+        m = self.sense * self.ratio
+        return -self.sense * half * (2 * made + 1) - np.arctan2(m * np.sin(p), 1 - m * np.cos(p))
 
     def derivatives(self, turn: ArrayLike) -> tuple[Real, Real]:
         """First and second derivative of the wheel's rotation by that of the crank; the second one jumps at entries."""
         p, _ = self.pin_angle(turn)
-        m = self.ratio
+        m = self.sense * self.ratio
         moves = np.abs(p) < self.half_motion * (1 - 1e-12)
         q = 1 - 2 * m * np.cos(p) + m * m
         first, second = m * (np.cos(p) - m) / q, -m * (1 - m * m) * np.sin(p) / q**2
@@ -222,34 +278,42 @@ class GenevaWheel:
     @property
     def peaks(self) -> tuple[float, float, float, float]:
         """Largest velocity and acceleration of the wheel by the crank's angle; those at entry and the jerk amidst."""
-        m = self.ratio
+        m, entry_jump = self.ratio, float(np.tan(np.pi / self.numbers[0]))
+        if self.internal:
+            return m / (1 + m), entry_jump, entry_jump, m * (1 - m) / (1 + m) ** 3
         k = (1 + m * m) / (4 * m)
         cosine = float(np.sqrt(k * k + 2)) - k
         q = 1 - 2 * m * cosine + m * m
         most = m * (1 - m * m) * float(np.sqrt(1 - cosine**2)) / q**2
-        return m / (1 - m), most, float(np.tan(np.pi / self.numbers[0])), m * (1 + m) / (1 - m) ** 3
+        return m / (1 - m), most, entry_jump, m * (1 + m) / (1 - m) ** 3
 
     @property
     def outline(self) -> AbstractCurve:
-        """The wheel's outline about its axis; +x is the middle of a locking arc."""
+        """The wheel's outline about its axis; +x is the middle of a locking arc. An internal wheel has an `opening`."""
+        return Circle(0j, self.outer_radius) if self.internal else self.opening
+
+    @property
+    def opening(self) -> AbstractCurve:
+        """Slots and locking arcs, about the wheel's axis; +x is the middle of a locking arc."""
         slots, _ = self.numbers
         side, half, floor = np.exp(-1j * np.pi / slots), 1j * self.half_width, self._floor
-        radius = self.lock_radius + self.clearance / 2
-        edge = float(np.arccos((self.distance**2 + self.rim**2 - radius**2) / (2 * self.distance * self.rim)))
+        quarter, end = self.sense * np.pi / 2, floor - self.sense * self.half_width
+        edge = self._tip
         corner, lock = (self._mouth + half) * side, self.rim * np.exp(-1j * edge)
         tip = -edge - float(np.angle(corner))
         seen = lock - self.distance
         lower = [
-            Arc(floor * side, (floor - self.half_width) * side, -np.pi / 2),
+            Arc(floor * side, end * side, -quarter),
             Segment((floor + half) * side, corner),
             Arc(0j, corner, tip),
         ]
         upper = [
             Arc(0j, complex(lock.conjugate()), tip),
             Segment(complex(corner.conjugate()), complex(((floor + half) * side).conjugate())),
-            Arc(complex((floor * side).conjugate()), complex(((floor + half) * side).conjugate()), -np.pi / 2),
+            Arc(complex((floor * side).conjugate()), complex(((floor + half) * side).conjugate()), -quarter),
         ]
-        arc = Arc(self.distance + 0j, complex(lock), -2 * (np.pi - abs(float(np.angle(seen)))))
+        towards = abs(float(np.angle(seen)))
+        arc = Arc(self.distance + 0j, complex(lock), 2 * towards if self.internal else -2 * (np.pi - towards))
         return PolarArray(Path((*lower, arc, *upper)), slots)
 
     @property
@@ -258,6 +322,11 @@ class GenevaWheel:
         _, pins = self.numbers
         free, step = self.half_motion, 2 * np.pi / pins
         edge = np.exp(1j * free)
+        if self.internal:
+            far, near = self.lock_radius, self.lock_inside / self.ratio
+            ends = (far * edge, far / edge, near / edge, near * edge)
+            sides = (Segment(complex(a), complex(b)) for a, b in pairwise((*ends[1:], ends[0])))
+            return Path((Arc(0j, complex(far * edge), 2 * (np.pi - free)), *sides))
         far, near = self.lock_radius, self.relief_radius
         next_edge = np.exp(1j * (step - free))
         pieces = (
@@ -272,7 +341,3 @@ class GenevaWheel:
     def pin_places(self) -> Complex:
         """Pins about the crank's axis, mm, the first one on +x."""
         return self.crank_radius * spaced_directions(self.numbers[1])
-
-
-def _share_of(pair: tuple[int, int]) -> tuple[float, int]:
-    return dwell_share(*pair), -pair[1]

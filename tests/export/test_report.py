@@ -152,9 +152,11 @@ def test_a_cam_without_a_plain_law_has_no_formulas():
     assert gk.load(RECIPES / "table-cam.toml").formulas == ()
 
 
-def test_numbers_of_a_geneva_drive_by_hand_are_differences_of_its_rotation():
+@pytest.mark.parametrize("internal", [False, True])
+def test_numbers_of_a_geneva_drive_by_hand_are_differences_of_its_rotation(internal):
     drive = {"speed_rpm": 40, "acceleration_rad_per_s2": 3}
-    recipe = gk.load({"kind": "geneva", "geneva": {"distance": 80, "slots": 6, "pins": 1}, "drive": drive})
+    wheel = {"distance": 80, "slots": 6, "pins": 1, "internal": internal}
+    recipe = gk.load({"kind": "geneva", "geneva": wheel, "drive": drive})
     found, wheel, step = worked(recipe), recipe.geneva, 1e-4
     turn = np.pi - wheel.half_motion / 2 + step * np.array([-1, 0, 1])
     low, middle, high = wheel.rotation(turn)

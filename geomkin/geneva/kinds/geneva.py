@@ -171,9 +171,7 @@ class GenevaRecipe(AbstractPlatesRecipe):
             ),
             Check(
                 "arm_room", "distance of the crank from the collar on the wheel's shaft", room, "at least", 0, "mm",
-                "give a larger geneva.distance, a smaller stock.wheel_bore or stock.edge, or fewer slots"
-                if wheel.numbers[0] > 6
-                else "give a larger geneva.distance, or a smaller stock.wheel_bore or stock.edge",
+                "give a larger geneva.distance, or a smaller stock.wheel_bore or stock.edge",
             ),
         )  # fmt: skip
 
@@ -217,15 +215,22 @@ class GenevaRecipe(AbstractPlatesRecipe):
         worked.give("alpha", "angular acceleration of the crank", acceleration, "rad/s2")
         m = worked.add("crank radius over distance of the axes", "m", "sin(180 deg / {n})", wheel.ratio)
         worked.add("crank radius", "r", "{c} {m}", distance * m, unit.name)
-        worked.add("share of a turn in which the wheel rests", "d", "1 - {k} ({n} - 2) / (2 {n})", wheel.dwell)
-        worked.add("largest velocity of the wheel over that of the crank", "u", "{m} / (1 - {m})", m / (1 - m))
-        q = 1 - 2 * m * np.cos(p) + m * m
-        template = "{m} (cos({p} deg) - {m}) / (1 - 2 {m} cos({p} deg) + {m}^2)"
-        first = worked.add("this ratio with the pin at the angle p", "u_p", template, m * (np.cos(p) - m) / q)
-        template = "-{m} (1 - {m}^2) sin({p} deg) / (1 - 2 {m} cos({p} deg) + {m}^2)^2"
+        minus, out = ("-", "-") if wheel.sense == 1 else ("+", "")
+        template = f"1 - {{k}} ({{n}} {minus} 2) / (2 {{n}})"
+        worked.add("share of a turn in which the wheel rests", "d", template, wheel.dwell)
+        largest = wheel.peaks[0]
+        worked.add("largest velocity of the wheel over that of the crank", "u", f"{{m}} / (1 {minus} {{m}})", largest)
+        signed = wheel.sense * m
+        q = 1 - 2 * signed * np.cos(p) + m * m
+        below = f"(1 {minus} 2 {{m}} cos({{p}} deg) + {{m}}^2)"
+        template, value = f"{{m}} (cos({{p}} deg) {minus} {{m}}) / {below}", m * (np.cos(p) - signed) / q
+        first = worked.add("this ratio with the pin at the angle p", "u_p", template, value)
+        template = f"-{{m}} (1 - {{m}}^2) sin({{p}} deg) / {below}^2"
         second = worked.add("its derivative", "u_1", template, -m * (1 - m * m) * np.sin(p) / q**2)
-        worked.add("angular velocity of the wheel", "omega_w", "-{u_p} {omega}", -first * speed, "rad/s")
-        template, value = "-{u_1} {omega}^2 - {u_p} {alpha}", -second * speed**2 - first * acceleration
+        value = -wheel.sense * first * speed
+        worked.add("angular velocity of the wheel", "omega_w", f"{out}{{u_p}} {{omega}}", value, "rad/s")
+        template = f"{out}{{u_1}} {{omega}}^2 {minus} {{u_p}} {{alpha}}"
+        value = -wheel.sense * (second * speed**2 + first * acceleration)
         worked.add("angular acceleration of the wheel", "alpha_w", template, value, "rad/s2")
         return tuple(worked.formulas)
 
@@ -238,7 +243,7 @@ class GenevaRecipe(AbstractPlatesRecipe):
             "pins": wheel.numbers[1],
             "dwell_share": to_digits(wheel.dwell),
             "crank_radius_mm": to_digits(wheel.crank_radius),
-            "wheel_radius_mm": to_digits(wheel.rim),
+            "wheel_radius_mm": to_digits(wheel.outer_radius),
             "lock_radius_mm": to_digits(wheel.lock_radius),
             "lock_play_deg": to_digits(np.degrees(wheel.lock_play)),
             "peaks": {name: to_digits(value) for name, value in zip(names, wheel.peaks)},
@@ -276,7 +281,7 @@ class GenevaLoadsAspect(AbstractAspect[GenevaRecipe, GenevaLoads]):
         inertia = 1e-3 * (self.given.inertia_kg_mm2 + self._plate)
         torque = inertia * alpha + self.given.torque_n_mm * np.sign(first * speed)
         angle, _ = wheel.pin_angle(turn)
-        arm = wheel.distance * np.sqrt(1 - 2 * wheel.ratio * np.cos(angle) + wheel.ratio**2)
+        arm = wheel.distance * np.sqrt(1 - 2 * wheel.sense * wheel.ratio * np.cos(angle) + wheel.ratio**2)
         force = np.where(first != 0, torque / arm, 0.0) * np.sign(first * speed)
         return force, torque * first
 
