@@ -1,6 +1,6 @@
 """Prints how well four- to eight-bars follow 32 closed curves that no four-bar draws. Never pass or fail.
 
-.venv/bin/python -m tests.speed.synthesis_any_curve [names of curves]; largest distances both ways and rms, % of the
+.venv/bin/python -m tests.speed.synthesis_any_curve [geared] [names of curves], five- and seven-bars if geared; largest distances both ways and rms, % of the
 diagonal of the curve's box, by position analysis of the results alone; seconds are of the processor, of one thread.
 Letters need the font DejaVu Sans Bold, whose file ezdxf finds.
 """
@@ -41,8 +41,8 @@ SHAPES = {
     "arc": np.concatenate([np.exp(1j * np.linspace(0, 2, 200)), np.exp(1j * np.linspace(2, 0, 200))]),
     "fourbar": gk.move(KNOWN, TURN).point("coupler_point").position,
 }
-# Largest numbers of bars; five- and seven-bars are searched for together with four- and six-bars.
-BARS = 4, 5, 6, 7, 8
+# Effort of the searches.
+EFFORT = 3
 LETTERS = "AECSMWQGKXRBDFHIJLNOPT"
 
 
@@ -91,36 +91,40 @@ def both_ways(path: np.ndarray, curve: np.ndarray) -> tuple[float, float]:
     return max(row.max() for row in away) / size, np.sqrt(np.mean(np.concatenate(away) ** 2)) / size
 
 
-def figures(names: list[str]) -> None:
+def figures(is_geared: bool, names: list[str]) -> None:
     """The table."""
     start = time.process_time()
-    for bars in BARS:
+    counts = (5, 7) if is_geared else (4, 6, 8)
+    for bars in range(4, counts[-1] + 1):
         curve_library(bars)
     print(f"library of random chains: {time.process_time() - start:.1f} s")
-    rows: dict[int, list[tuple[float, float, float, float]]] = {bars: [] for bars in BARS}
+    rows: dict[int, list[tuple[float, float, float]]] = {bars: [] for bars in counts}
+    spent: list[float] = []
     for name in names:
         curve = smooth(SHAPES[name] if name in SHAPES else letter(name))
-        shown = []
+        start = time.process_time()
+        limits = {"least_transmission_angle_deg": 20, "largest_ratio": 10, "time_limit": 600}
+        found = gk.path_generator(curve[::4], closed=True, bars=counts[-1], geared=is_geared, effort=EFFORT, **limits)
+        spent.append(time.process_time() - start)
         for bars, kept in rows.items():
-            start = time.process_time()
-            limits = {"least_transmission_angle_deg": 20, "largest_ratio": 10, "time_limit": 600}
-            found = gk.path_generator(curve[::4], closed=True, bars=bars, geared=bars % 2 == 1, **limits)
-            spent = time.process_time() - start
-            motion = gk.move(found.linkage, np.linspace(0, 2 * np.pi, 2049)[:-1], found.branch)
+            best = next(one for one in found.ranked if one.bars <= bars)
+            motion = gk.move(best.linkage, np.linspace(0, 2 * np.pi, 2049)[:-1], best.branch)
             path = motion.point("coupler_point").position
-            assert np.degrees(gk.least_transmission_angle(motion)) > 19.99 and found.ratio < 10.01
-            kept.append((*both_ways(path, curve), found.extent, spent))
-            shown.append(" / ".join(f"{value:.3g}" for value in kept[-1]))
-        print(f"{name:9}" + "".join(f"{text:>30}" for text in shown), flush=True)
-    print("largest / rms, % of size; size of mechanism / size of curve; s")
+            assert np.degrees(gk.least_transmission_angle(motion)) > 19.99 and best.ratio < 10.01
+            kept.append((*both_ways(path, curve), best.extent))
+        shown = (" / ".join(f"{value:.3g}" for value in kept[-1]) for kept in rows.values())
+        print(f"{name:9}" + "".join(f"{text:>24}" for text in shown) + f"{spent[-1]:>8.0f}", flush=True)
+    print("largest / rms, % of size; size of mechanism / size of curve; s of all together")
     for bars, kept in rows.items():
-        largest, rms, extent, spent = np.array(kept).T
+        largest, rms, extent = np.array(kept).T
         print(
             f"{bars} bars: largest {np.median(largest):.2f} (median), {np.percentile(largest, 80):.2f} (80th percentile),"
             f" {largest.max():.2f} (worst); rms {np.median(rms):.2f}, {np.percentile(rms, 80):.2f}, {rms.max():.2f};"
-            f" size {np.median(extent):.1f}; {np.median(spent):.1f} s"
+            f" size {np.median(extent):.1f}"
         )
+    print(f"{np.median(spent):.0f} s (median)")
 
 
 if __name__ == "__main__":
-    figures(sys.argv[1:] or [*SHAPES, *LETTERS])
+    given = [name for name in sys.argv[1:] if name != "geared"]
+    figures("geared" in sys.argv[1:], given or [*SHAPES, *LETTERS])

@@ -8,8 +8,8 @@ import pytest
 import geomkin as gk
 from geomkin.core.processes import Watch
 from geomkin.synthesis.path import any_curve
-from geomkin.synthesis.path.any_curve import CurveSearch, CurveTask, Effort, lengths, matched, refined
-from geomkin.synthesis.path.closed_lines import WantedLine, distances, evenly
+from geomkin.synthesis.path.any_curve import ChainBounds, CurveSearch, CurveTask, Effort, lengths, matched, refined
+from geomkin.synthesis.path.closed_lines import WantedLine, crossings, distances, evenly
 from geomkin.synthesis.path.curve_library import (
     CurveLibrary,
     closed_paths,
@@ -18,7 +18,6 @@ from geomkin.synthesis.path.curve_library import (
     target_curve,
 )
 from geomkin.synthesis.path.dyad_chains import extended, kinds_of, linkage_of, random_chains, traced
-from geomkin.synthesis.path.search import ANYWHERE
 
 TURN = 2 * np.pi * np.arange(257) / 256
 EIGHT = 40 * np.sin(TURN[:-1]) + 15j * np.sin(2 * TURN[:-1])
@@ -42,9 +41,8 @@ def small(monkeypatch):
 
     monkeypatch.setattr(any_curve, "curve_library", library)
     monkeypatch.setattr(any_curve, "EFFORT", {4: Effort(8, 0, ()), 5: Effort(8, 0, ()), 6: Effort(8, 2, ())})
-    monkeypatch.setattr(any_curve, "ROUNDS_OF_WEIGHTS", 1)
-    monkeypatch.setattr(any_curve, "KEPT", (4, 2, 1))
-    monkeypatch.setattr(any_curve, "BEST", 1)
+    few = [(samples, stages, kept) for (samples, stages, _), kept in zip(any_curve.ROUNDS, (4, 2, 1))]
+    monkeypatch.setattr(any_curve, "ROUNDS", few)
 
 
 @pytest.mark.parametrize("bars", [4, 5, 6, 7, 8])
@@ -141,7 +139,7 @@ def test_the_curve_of_a_chain_is_found_again_from_changed_sizes(bars):
         np.full(1, 1 / target.scale + 0j), np.full(1, -target.middle / target.scale), np.zeros(1, bool)
     )
     near = replace(fitted, x=fitted.x * (1 + 0.01 * np.cos(np.arange(fitted.x.shape[1]))))
-    task = CurveTask(target, 5.0, 100.0, 1e4, ANYWHERE, ANYWHERE)
+    task = CurveTask(target, 5.0, 100.0, ChainBounds())
     state, _ = refined(task, matched(task, near, 80), 10, 0.25, 100.0)
     state, _ = refined(task, matched(task, state.chains, 256), 30, 0.03, 100.0)
     linkage, branch = linkage_of(state.chains, 0, target.scale, target.middle)
@@ -175,12 +173,13 @@ def test_a_search_keeps_its_limits(small):
 
 
 def test_a_search_is_repeatable(small):
-    task = CurveTask(target_curve(np.append(EIGHT, EIGHT[0])), 20.0, 10.0, 300.0, ANYWHERE, ANYWHERE)
-    one, again, other = (CurveSearch(task, 4, False, seed, Watch(60, "")) for seed in (4, 4, 5))
+    task = CurveTask(target_curve(np.append(EIGHT, EIGHT[0])), 20.0, 10.0, ChainBounds())
+    one, again, other = (CurveSearch(task, 4, False, 1, seed, Watch(60, "")) for seed in (4, 4, 5))
     for search in (one, again):
-        search.best[4] = search.halved(search.hopped(any_curve.curve_library(4).chains[:2], 0.05, 6))[0]
-    assert (one.best[4].x == again.best[4].x).all()
-    assert other.rng.random() != CurveSearch(task, 4, False, 4, Watch(60, "")).rng.random()
+        known = matched(task, any_curve.curve_library(4).nearest(task.target, 2)[0], 80)
+        search.best[4] = search.halved(search.hopped(known, 0.05, 6))[0].chains
+    assert len(one.best[4]) and (one.best[4].x == again.best[4].x).all()
+    assert other.rng.random() != CurveSearch(task, 4, False, 1, 4, Watch(60, "")).rng.random()
 
 
 def test_the_nearest_linkages_are_laid_over_a_stroke():
@@ -204,6 +203,15 @@ def test_ground_pivots_stay_in_their_boxes(small):
             assert abs(pivots.point(name).position[0].imag) <= 30 + 1e-9
 
 
+@pytest.mark.parametrize("bars", [4, pytest.param(6, marks=pytest.mark.campaign)])
+def test_links_stay_within_their_bounds(small, bars):
+    found = gk.path_generator(EIGHT[::4], closed=True, bars=bars, bounds={"links": (15, 90)})
+    for one in found.ranked:
+        for points in one.linkage.linkage.bodies.values():
+            pins = [complex(place) for name, place in points.items() if name != "coupler_point"]
+            assert abs(pins[0] - pins[1]) >= 15 and max(abs(a - b) for a in pins for b in pins) <= 90
+
+
 @pytest.mark.parametrize(
     ("given", "field"),
     [
@@ -213,7 +221,12 @@ def test_ground_pivots_stay_in_their_boxes(small):
         ({"bounds": {"crank": (1, 2)}}, "bounds"),
         ({"bounds": {"pivots_x": (2, 1)}}, "bounds"),
         ({"bounds": {"origin_x": (400, 500)}}, "bounds"),
+        ({"bounds": {"origin_x": (90, 500), "links": (1, 60)}}, "bounds"),
+        ({"bounds": {"links": (300, 400)}}, "bounds"),
+        ({"bounds": {"links": (-2, 0)}}, "bounds"),
         ({"bars": 5}, "bars"),
+        ({"bars": 4, "closed": False, "effort": 2}, "effort"),
+        ({"effort": 0}, "effort"),
         ({"bars": 9, "geared": True}, "bars"),
         ({"bars": 4, "geared": True}, "bars"),
     ],
@@ -224,12 +237,53 @@ def test_conditions_that_only_four_bars_take_are_refused(given, field):
     assert refusal.value.field == field
 
 
-def test_many_points_are_thinned_and_equal_ones_left_out(small):
-    many = np.interp(np.linspace(0, 256, 100_000, endpoint=False), np.arange(257), np.append(EIGHT, EIGHT[0]))
-    found = gk.path_generator(many, closed=True, time_limit=0.05)
-    assert found.given == 100_000 and len(found.points) == 1000
-    twice = gk.path_generator(np.repeat(EIGHT[::4], 2), closed=True, time_limit=0.05)
-    assert len(twice.points) == 64 and twice.given == 128
+def test_samples_are_interpolated_along_the_turn():
+    """Half as many samples of an exact curve are nearly every second one, also where crank angles pass a full turn."""
+    known = curve_of_known(6)
+    wanted = closed_paths(known, 1024)[0]
+    for line in (wanted, np.roll(wanted[:-1], 300)[::-1]):
+        target = target_curve(np.append(line, line[0]))
+        fitted = known.placed(
+            np.full(1, 1 / target.scale + 0j), np.full(1, -target.middle / target.scale), np.zeros(1, bool)
+        )
+        task = CurveTask(target, 20.0, 10.0, ChainBounds())
+        fine = matched(task, fitted, 512)
+        few, many = fine.resampled(128), fine.resampled(128).resampled(512)
+        for state in (fine, few, many):
+            off = traced(state.chains, state.cranks, derivatives=False).point - target.at(state.places)[0]
+            assert np.abs(off).max() < 2
+        assert np.abs(np.exp(1j * few.cranks) - np.exp(1j * fine.cranks[:, ::4])).max() < 1e-9
+
+
+def test_crossings_of_a_closed_curve_are_counted():
+    """A figure eight has one, a rose of five petals ten, an ellipse and a stroke there and back none."""
+    turn = np.linspace(0, 2 * np.pi, 2001)
+    star = np.exp(2j * np.pi * np.array([0, 2, 4, 1, 3, 0]) / 5)
+    assert crossings(np.append(EIGHT, EIGHT[0])) == 1
+    assert crossings(40 * np.exp(2j * turn) + 60 * np.exp(-3j * turn)) == 10
+    assert crossings(star) == 5
+    assert crossings(3 * np.cos(turn) + 2j * np.sin(turn)) == crossings(np.cos(turn) + 2j * np.cos(turn)) == 0
+
+
+@pytest.mark.parametrize(
+    ("points", "used", "number"),
+    [
+        ([0, 60, 30 + 40j], 3, 3),
+        (40 * np.exp(2j * TURN[:-1]) + 60 * np.exp(-3j * TURN[:-1]), 256, 10),
+        (
+            np.interp(np.linspace(0, 256, 100_000, endpoint=False), np.arange(257), np.append(EIGHT, EIGHT[0])),
+            1000,
+            100_000,
+        ),
+        (np.repeat(EIGHT[::4], 2), 64, 128),
+        (EIGHT[::4], 64, None),
+    ],
+    ids=["polygon", "rose", "many", "twice", "ordinary"],
+)
+def test_what_is_odd_about_a_curve_is_stated_with_its_number(small, points, used, number):
+    found = gk.path_generator(points, closed=True, time_limit=0.05)
+    assert len(found.points) == used
+    assert found.remarks == () if number is None else any(f"{number:,} " in remark for remark in found.remarks)
 
 
 ROSE = 40 * np.cos(2.5 * 2 * TURN[:-1:2]) * np.exp(2j * TURN[:-1:2])
@@ -275,7 +329,7 @@ def test_curves_of_random_chains_are_found_again(bars):
 @pytest.mark.campaign
 def test_the_library_answers_at_once():
     assert all(len(curve_library(n).chains) > 10_000 for n in (4, 5, 6, 7, 8))
-    task = CurveTask(target_curve(np.append(EIGHT, EIGHT[0])), 20.0, 10.0, 300.0, ANYWHERE, ANYWHERE)
+    task = CurveTask(target_curve(np.append(EIGHT, EIGHT[0])), 20.0, 10.0, ChainBounds())
     watch = Watch(0.3, "")
     assert curve_library(8).nearest(task.target, 12)[1][0] > 0.99 and not watch.over()
-    assert CurveSearch(task, 4, False, 0, Watch(60, "")).run()[4].bars == 4
+    assert CurveSearch(task, 4, False, 1, 0, Watch(60, "")).run()[4].bars == 4

@@ -166,12 +166,12 @@ def test_limits_hold_over_the_whole_turn_of_a_closed_path():
 
 
 @pytest.mark.campaign
-@pytest.mark.parametrize("name", ["figure eight", "harmonics 1", "teardrop"])
-def test_dense_closed_paths_that_no_linkage_draws_are_met_as_well_as_is_known(name):
-    """Within 1 % of the best that searches with several seeds have found; tips and crossings of a path make the nearest point hard to find."""
-    best, points = CLOSED[name]
+@pytest.mark.parametrize(("name", "known"), [("figure eight", 2.192), ("harmonics 1", 3.146), ("teardrop", 0.488)])
+def test_dense_closed_paths_that_no_linkage_draws_are_met_as_well_as_is_known(name, known):
+    """Nearly as near, both ways, as searches from many more starts and with several seeds came."""
+    _, points = CLOSED[name]
     found = gk.path_generator(points, closed=True, time_limit=100)
-    assert min(one.square_error for one in found.ranked) <= 1.01 * best
+    assert found.largest_distance <= 1.04 * known
     # Six digits rank them.
     assert found.largest_distance == pytest.approx(min(one.largest_distance for one in found.ranked), rel=1e-5)
     assert found.transmission_angle_deg >= 5 - 1e-6 and sound(found, (0, 2 * np.pi)) and not found.defects

@@ -136,7 +136,7 @@ NEAR = 0.05
 
 # Tables of a recipe that hold arguments of the search outside `wanted`.
 TABLES = {
-    "search": ("seed", "time_limit"),
+    "search": ("seed", "time_limit", "effort"),
     "limits": ("least_transmission_angle_deg", "largest_ratio"),
     "bounds": ("bounds",),
 }
@@ -254,10 +254,15 @@ class PathBounds:
     origin_x: Pair | None = entry("least and greatest x of the crank's ground pivot, mm", default=None, units=MM)
     origin_y: Pair | None = entry("least and greatest y of the crank's ground pivot, mm", default=None, units=MM)
     pivots_x: Pair | None = entry(
-        "least and greatest x of all other ground pivots of six- and eight-bars, mm", default=None, units=MM
+        "for closed paths, least and greatest x of all other ground pivots, mm", default=None, units=MM
     )
     pivots_y: Pair | None = entry(
-        "least and greatest y of all other ground pivots of six- and eight-bars, mm", default=None, units=MM
+        "for closed paths, least and greatest y of all other ground pivots, mm", default=None, units=MM
+    )
+    links: Pair | None = entry(
+        "for closed paths, least and greatest distance of the pins of each link, mm, to limit the mechanism's size",
+        default=None,
+        units=MM,
     )
     ground_angle_deg: Pair | None = entry(
         "least and greatest direction of the ground line or of the slide line, deg", default=None
@@ -273,6 +278,19 @@ class PathBounds:
         return {name: pair for name, pair in named.items() if pair is not None} or None
 
 
+@record(checked=True)
+class PathEffort(Search):
+    """Seed, time limit and effort of a search."""
+
+    effort: int = quantity(
+        "work of the search for a closed path: with 3 it takes three times as long and comes nearer",
+        default=1,
+        at_least=1,
+        at_most=100,
+        whole=True,
+    )
+
+
 @record(kw_only=True)
 class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
     """A linkage whose traced point passes through given points or follows a closed path, with a drawing of both."""
@@ -281,7 +299,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
     wanted: WantedPath
     limits: PathLimits = entry("limits of the linkage", default=PathLimits())
     bounds: PathBounds = entry("bounds of sizes and positions", default=PathBounds())
-    search: Search = entry("seed and time limit of the search", default=Search())
+    search: PathEffort = entry("seed, time limit and effort of the search", default=PathEffort())
     choose: int = choose_entry()
     drive: Drive = entry("how the driver turns", default=Drive())
     stock: LinkStock = entry("what the links are cut from", default=LinkStock())
@@ -316,6 +334,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
                 wanted.slides,
                 wanted.bars,
                 wanted.geared,
+                self.search.effort,
             )
         except DesignError as error:
             raise self._of_recipe(error) from None
@@ -425,12 +444,12 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Whether all linkages through nine points are listed."""
+        """Whether all linkages through nine points are listed, and what the result states of the points."""
         best = self.best
         if best.cut_short:
-            return (CUT_SHORT,)
-        if best.given:
-            return (f"Of {best.given:,} points {len(best.points):,} are used.",)
+            return (CUT_SHORT, *best.remarks)
+        if best.remarks:
+            return best.remarks
         if best.special:
             return (f"Nine points of which {best.special} have no finite number of linkages; these are some.",)
         if (count := best.path_count) is None or count.is_complete:

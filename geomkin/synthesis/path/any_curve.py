@@ -12,13 +12,14 @@ import numpy as np
 
 from ...core.processes import Watch
 from ...core.records import record
-from ...plane.vec import Complex, Mask, Real, cross, dot
+from ...plane.vec import Complex, Mask, Real, Whole, cross, dot
 from .closed_lines import evenly
 from .curve_library import TargetCurve, closed_paths, curve_library
 from .dyad_chains import CRANK, GROUND, PER_DYAD, Chains, extended, joined, stacks, traced
 
-# Distance of the search's limits from the wanted ones: a margin in deg, and a factor of the ratio of lengths.
-MARGIN_DEG, MARGIN_RATIO = 1.0, 0.98
+# Distance of the search's limits from the wanted ones: a margin in deg, a factor of the ratio of lengths, and a share
+# of bounded lengths.
+MARGIN_DEG, MARGIN_RATIO, MARGIN_LINK = 1.0, 0.98, 0.01
 # Pins of one body are at least this share of the shortest link apart, so that their holes can be cut.
 APART = 0.4
 # Largest step of the logarithm of a length, of a crank angle, rad, and of a place on the curve, as a share of it.
@@ -31,32 +32,52 @@ AT_ONCE = 24
 
 # Lower left and upper right corner.
 Box = tuple[complex, complex]
+ANYWHERE: Box = (complex(-np.inf, -np.inf), complex(np.inf, np.inf))
+
+
+@record
+class ChainBounds:
+    """Where the crank pivot and the other ground pivots may be, and least and greatest distance of pins, mm."""
+
+    crank: Box = ANYWHERE
+    pivots: Box = ANYWHERE
+    links: tuple[float, float] = (0.0, np.inf)
+
+    def scaled(self, scale: float, middle: complex) -> ChainBounds:
+        """The bounds in units of `scale` about a middle."""
+        crank, pivots = (
+            (_corner(low, scale, middle), _corner(high, scale, middle)) for low, high in (self.crank, self.pivots)
+        )
+        return ChainBounds(crank, pivots, (self.links[0] / scale, self.links[1] / scale))
+
+
+def _corner(place: complex, scale: float, middle: complex) -> complex:
+    # Its parts may be infinite, so that complex arithmetic would give nan.
+    return complex((place.real - middle.real) / scale, (place.imag - middle.imag) / scale)
 
 
 @record(eq=False)
 class CurveTask:
     """A wanted curve and the limits of chains for it.
 
-    target: the curve. least_deg: transmission angle. ratio: longest link over the shortest. longest: of any link, in
-    units of the search. crank_box, ground_box: where the crank pivot and the other ground pivots may be.
+    target: the curve. least_deg: transmission angle. ratio: longest link over the shortest. bounds: in units of the
+    search.
     """
 
     target: TargetCurve
     least_deg: float
     ratio: float
-    longest: float
-    crank_box: Box
-    ground_box: Box
+    bounds: ChainBounds
 
     def within(self, chains: Chains) -> Chains:
         """The chains with ground pivots moved into their boxes."""
         x = chains.x.copy()
         for k in range(chains.head):
-            x[:, k] = _clipped(x[:, k], self.ground_box if k > 1 else self.crank_box, k % 2)
+            x[:, k] = _clipped(x[:, k], self.bounds.pivots if k > 1 else self.bounds.crank, k % 2)
         parts = x[:, chains.head : -2].reshape(len(x), chains.dyads, PER_DYAD)
         for k in (0, 1, 2, 3):
             parts[..., k] = np.where(
-                chains.bodies[..., k // 2] == GROUND, _clipped(parts[..., k], self.ground_box, k % 2), parts[..., k]
+                chains.bodies[..., k // 2] == GROUND, _clipped(parts[..., k], self.bounds.pivots, k % 2), parts[..., k]
             )
         x[:, chains.head : -2] = parts.reshape(len(x), -1)
         return replace(chains, x=x)
@@ -133,6 +154,36 @@ class State:
     cranks: Real
     places: Real
 
+    def __len__(self) -> int:
+        return len(self.chains)
+
+    def __getitem__(self, rows: Whole | slice) -> State:
+        return State(self.chains[rows], self.cranks[rows], self.places[rows])
+
+    def resampled(self, samples: int) -> State:
+        """The same with so many samples, whose places and crank angles are interpolated."""
+        before, half = self.cranks.shape[1] // 2, samples // 2
+        if before == half:
+            return self
+        sense = np.sign(self.places[:, before - 1] - self.places[:, 0])[:, None]
+        old, new = np.arange(before) / before, np.arange(half) / half
+        # Both grow by one in a turn, or fall; the rest is periodic.
+        floating = self.places[:, :before] - sense * old, np.unwrap(self.cranks[:, before:]) / (2 * np.pi) - sense * old
+        places, cranks = (
+            np.array([np.interp(new, old, row, period=1) for row in rest]).reshape(-1, half) + sense * new
+            for rest in floating
+        )
+        equal = np.broadcast_to(new, places.shape)
+        return State(
+            self.chains, 2 * np.pi * np.concatenate([equal, cranks], axis=1), np.concatenate([places, equal], axis=1)
+        )
+
+
+def joined_states(states: list[State]) -> State:
+    """All of several batches with one number of dyads and of samples."""
+    cranks, places = (np.concatenate([getattr(one, name) for one in states]) for name in ("cranks", "places"))
+    return State(joined([one.chains for one in states]), cranks, places)
+
 
 @record(eq=False)
 class CurveFit:
@@ -143,6 +194,14 @@ class CurveFit:
     square: Real
     traced: Complex
     by: Complex
+
+
+@record(eq=False)
+class Level:
+    """Powers of distances instead of their squares: the power, and the unit (s, 1) of the distances."""
+
+    power: int
+    unit: Real
 
 
 def matched(task: CurveTask, chains: Chains, samples: int) -> State:
@@ -177,9 +236,10 @@ def matched(task: CurveTask, chains: Chains, samples: int) -> State:
     return State(chains, cranks, np.concatenate([places, equal], axis=1))
 
 
-def linearised(task: CurveTask, state: State, along: float, limits: float, weights: Real) -> CurveFit:
+def linearised(task: CurveTask, state: State, along: float, limits: float, level: Level | None = None) -> CurveFit:
     """The normal equations: distances across the curve and across the path, a share of those along them, and limits."""
-    half = state.cranks.shape[1] // 2
+    samples = state.cranks.shape[1]
+    half = samples // 2
     moved = traced(state.chains, state.cranks)
     place, tangent = task.target.at(state.places)
     off = moved.point - place
@@ -187,16 +247,18 @@ def linearised(task: CurveTask, state: State, along: float, limits: float, weigh
     speed = np.abs(by_crank)
     with np.errstate(invalid="ignore", divide="ignore"):
         direction = np.concatenate([tangent[:, :half], by_crank[:, half:] / speed[:, half:]], axis=1)
-        weight = np.concatenate(
-            [speed[:, :half] / (2 * speed[:, :half].sum(axis=1, keepdims=True)), weights[:, half:]], axis=1
-        )
-    weight[:, :half] *= weights[:, :half] * 2 * half
-    root = np.sqrt(weight)
-    turned = np.conj(direction) * root
-    off = off * turned
-    by = moved.by[:, 1:] * turned[:, None]
-    residual = np.concatenate([off.imag, along * off.real], axis=1)
-    jacobian = np.concatenate([by.imag, along * by.real], axis=2)
+        weight = speed[:, :half] / (2 * speed[:, :half].sum(axis=1, keepdims=True))
+    root = np.sqrt(np.concatenate([weight, np.full((len(weight), half), 1 / samples)], axis=1))
+    turned = np.conj(direction)
+    off, by = off * turned, moved.by[:, 1:] * turned[:, None]
+    across, across_by = off.imag, by.imag
+    if level is not None:
+        # Squares of these residuals are powers of the distances.
+        with np.errstate(over="ignore", invalid="ignore"):
+            slope = (np.abs(across) / level.unit) ** (level.power / 2 - 1)
+        across, across_by = across * slope, across_by * (level.power / 2 * slope)[:, None]
+    residual = np.concatenate([across * root, along * off.real * root], axis=1)
+    jacobian = np.concatenate([across_by * root[:, None], along * by.real * root[:, None]], axis=2)
     # The extreme transmission angles of each dyad.
     folding = moved.folding
     at = np.stack([np.argmax(folding, axis=2), np.argmin(folding, axis=2)], axis=2)
@@ -226,22 +288,28 @@ def _length_limits(task: CurveTask, chains: Chains) -> tuple[Real, Real]:
     links = np.where(is_link & here, value, np.nan)
     half = np.log(task.ratio * MARGIN_RATIO) / 2
     middle = (np.nanmax(links, axis=1) + np.nanmin(links, axis=1))[:, None] / 2
-    middle = np.minimum(middle, np.log(task.longest) - half)
-    low = middle - half + np.where(is_link, 0.0, np.log(APART))
-    over, under = np.maximum(value - middle - half, 0), np.maximum(low - value, 0)
+    shortest, longest = np.log(np.maximum(task.bounds.links, 1e-12)) + np.array([MARGIN_LINK, -MARGIN_LINK])
+    middle = np.minimum(middle, longest - half)
+    low = np.maximum(middle - half, shortest) + np.where(is_link, 0.0, np.log(APART))
+    over, under = np.maximum(value - np.minimum(middle + half, longest), 0), np.maximum(low - value, 0)
     over, under = (np.where(here, part, 0) for part in (over, under))
     return over - under, by * ((over > 0) | (under > 0))[..., None]
 
 
 def refined(
-    task: CurveTask, state: State, steps: int, along: float, limits: float, weights: Real | None = None
+    task: CurveTask, state: State, steps: int, along: float, limits: float, power: int = 2
 ) -> tuple[State, Real]:
-    """States after so many Levenberg-Marquardt steps, and their costs (s,); infinite if a chain does not close."""
-    samples = state.cranks.shape[1]
-    half = samples // 2
-    if weights is None:
-        weights = np.full(state.cranks.shape, 1 / samples)
-    now = linearised(task, state, along, limits, weights)
+    """States after so many Levenberg-Marquardt steps, and their costs (s,); infinite if a chain does not close.
+
+    power: of the distances whose sum is least; a high one makes the largest small.
+    """
+    half = state.cranks.shape[1] // 2
+    level = None
+    if power > 2:
+        place, tangent = task.target.at(state.places)
+        point = traced(state.chains, state.cranks, derivatives=False).point
+        level = Level(power, np.abs(cross(tangent, point - place)).max(axis=1, keepdims=True) + 1e-9)
+    now = linearised(task, state, along, limits, level)
     chains, cranks, places = state.chains, state.cranks, state.places
     p = chains.x.shape[1]
     damping = np.full(len(chains), 1e-2)
@@ -262,7 +330,7 @@ def refined(
         if along < 1:
             new_places[:, :half] += np.clip(by_place, -PLACE_STEP, PLACE_STEP)
             new_cranks[:, half:] += np.clip(by_crank, -CRANK_STEP, CRANK_STEP)
-        new = linearised(task, State(x, new_cranks, new_places), along, limits, weights)
+        new = linearised(task, State(x, new_cranks, new_places), along, limits, level)
         better = new.cost < now.cost
         damping = np.clip(np.where(better, 0.3 * damping, 4 * damping), 1e-12, 1e8)
         chains = replace(chains, x=np.where(better[:, None], x.x, chains.x))
@@ -280,10 +348,10 @@ def refined(
 
 @record(eq=False)
 class Effort:
-    """Work of a search for chains of so many bars.
+    """Work of a search for chains of so many bars, for an effort of 1.
 
-    similar: chains of the library that are refined. grown: chains that grow from each of the best with two bars less.
-    hops: shares by which the best are changed at random, one round each; copies: chains of a round.
+    similar: chains of the library that are refined. grown: chains that grow from the best with two bars less. hops:
+    shares by which the best are changed at random, one round each, with `copies` of them.
     """
 
     similar: int
@@ -294,101 +362,109 @@ class Effort:
 
 EFFORT = {
     4: Effort(300, 0, ()),
-    5: Effort(400, 0, (0.08,)),
-    6: Effort(500, 60, (0.08,)),
-    7: Effort(700, 80, (0.1, 0.05)),
-    8: Effort(1200, 110, (0.12, 0.07, 0.04), 300),
+    5: Effort(300, 0, (0.08,)),
+    6: Effort(300, 300, (0.1,)),
+    7: Effort(400, 500, (0.12, 0.06)),
+    8: Effort(500, 1000, (0.15, 0.1, 0.07, 0.04)),
 }
-# Chains that are kept after each round, and the best that grow, hop and are finished.
-KEPT, BEST = (120, 24, 8), 8
-# Relative difference of costs below which two chains of one kind count as copies.
-COPY = 2e-3
-# Rounds in which large distances get larger weights, and the largest weight of a square in units of the mean.
-ROUNDS_OF_WEIGHTS, HEAVIEST = 8, 50.0
+# Rounds of least squares: number of samples; steps, share along the curve and weight of limits of each stage; number of
+# chains that are kept for an effort of 1. With 80 samples at the end large distances lie between them.
+ROUNDS = (
+    (80, ((3, 1.0, 30.0), (3, 1.0, 60.0), (4, 0.25, 100.0), (10, 0.05, 200.0)), 80),
+    (160, ((30, 0.05, 300.0),), 20),
+    (256, ((40, 0.03, 400.0),), 12),
+)
+# Relative difference of costs below which two chains of one kind count as copies, and largest share of one kind.
+COPY, ALIKE = 2e-3, 0.25
+# Samples of the first and of the last steps, the powers of the distances that the last ones make small one after the
+# other, and steps of each.
+SAMPLES, POWERS, POWER_STEPS = (80, 256), (4, 8, 16), 15
 
 
 class CurveSearch:
     """A search for chains of at most so many bars; `best` has the best of each number of bars as far as it came."""
 
-    def __init__(self, task: CurveTask, bars: int, is_geared: bool, seed: int, watch: Watch):
-        self.task, self.watch = task, watch
+    def __init__(self, task: CurveTask, bars: int, is_geared: bool, effort: int, seed: int, watch: Watch):
+        self.task, self.effort, self.watch = task, effort, watch
         self.numbers = [number for number in range(4, bars + 1) if is_geared or number % 2 == 0]
         self.rng = np.random.default_rng(seed)
         self.best: dict[int, Chains] = {}
 
     def run(self) -> dict[int, Chains]:
         """The best chains by number of bars."""
+        best: dict[int, State] = {}
         for k, bars in enumerate(self.numbers):
             effort = EFFORT[bars]
-            similar = curve_library(bars).nearest(self.task.target, effort.similar)[0]
-            chains = self.halved(self.task.within(similar), first=True)
-            if effort.grown and len(self.best.get(bars - 2, ())):
-                grown = self.halved(self.grown(self.best[bars - 2], effort.grown))
-                chains = self.chosen(joined([chains[0], grown[0]]), np.concatenate([chains[1], grown[1]]), BEST)
+            similar = curve_library(bars).nearest(self.task.target, self.effort * effort.similar)[0]
+            now = self.halved(matched(self.task, self.task.within(similar), SAMPLES[0]), first=True)
+            if effort.grown and len(best.get(bars - 2, ())):
+                now = self.better(now, self.halved(self.grown(best[bars - 2], self.effort * effort.grown)))
             for hop, share in enumerate(effort.hops, 1):
-                near = self.halved(self.hopped(chains[0], share, effort.copies))
-                chains = self.chosen(joined([chains[0], near[0]]), np.concatenate([chains[1], near[1]]), BEST)
+                now = self.better(now, self.halved(self.hopped(now[0], share, self.effort * effort.copies)))
                 self.watch.report((k + hop / (len(effort.hops) + 1)) / len(self.numbers))
-            self.best[bars] = self.finished(chains[0])
-            if len(chains[1]):
-                best = np.sqrt(chains[1][0])
-                self.watch.what = f"linkages for the curve, so far {best:.2g} % of its size away (rms)"
+            best[bars] = now[0]
+            self.best[bars] = self.finished(now[0])
+            if len(now[1]):
+                rms = np.sqrt(now[1][0])
+                self.watch.what = f"linkages for the curve, so far {rms:.2g} % of its size away (rms)"
             self.watch.report((k + 1) / len(self.numbers))
         return self.best
 
-    def halved(self, chains: Chains, first: bool = False) -> tuple[Chains, Real]:
-        """The best after rounds of least squares with more steps and fewer chains each, and their costs."""
-        chains = chains[np.flatnonzero(np.isfinite(closed_paths(chains)).all(axis=1))]
-        cost = np.full(len(chains), np.inf)
-        plans = (
-            ((80, ((3, 1.0, 30.0), (3, 1.0, 60.0), (4, 0.25, 100.0), (10, 0.05, 200.0))), KEPT[0]),
-            ((80, ((30, 0.05, 300.0),)), KEPT[1]),
-            ((160, ((40, 0.03, 400.0),)), KEPT[2]),
-        )
-        for (samples, stages), kept in plans:
-            done, costs = [], []
-            for k in range(0, len(chains), AT_ONCE):
-                if self.watch.over():
-                    break
-                some = chains[k : k + AT_ONCE]
-                now = matched(self.task, some, samples)
-                for steps, along, limits in stages if first or samples > 80 else stages[-1:]:
-                    now, cost = refined(self.task, now, steps, along, limits)
-                    if along == 1:
-                        now = matched(self.task, now.chains, samples)
-                done.append(now.chains)
-                costs.append(cost)
-            if not done or not sum(map(len, done)):
-                break
-            chains, cost = self.chosen(joined(done), np.concatenate(costs), kept)
-        good = np.flatnonzero(np.isfinite(cost)[: len(chains)])
-        return chains[good], cost[good]
+    def better(self, one: tuple[State, Real], other: tuple[State, Real]) -> tuple[State, Real]:
+        """The best of both."""
+        count = ROUNDS[-1][2] * self.effort
+        return self.chosen(joined_states([one[0], other[0]]), np.concatenate([one[1], other[1]]), count)
 
-    def chosen(self, chains: Chains, cost: Real, count: int) -> tuple[Chains, Real]:
-        """The best distinct chains, at most half of them of one kind, and at most half of kinds that seldom stack."""
-        order, stacking = np.argsort(cost, kind="stable"), stacks(chains.bodies)
-        rows: list[int] = []
+    def halved(self, state: State, first: bool = False) -> tuple[State, Real]:
+        """The best after rounds of least squares with more steps and fewer chains each, and their costs."""
+        state = state[np.flatnonzero(np.isfinite(closed_paths(state.chains)).all(axis=1))]
+        cost = np.full(len(state), np.inf)
+        for samples, stages, kept in ROUNDS:
+            done, costs = [state[:0].resampled(samples)], [cost[:0]]
+            for k in range(0, len(state), AT_ONCE):
+                # The first ones are refined whatever the time limit.
+                if k and self.watch.over():
+                    break
+                now = state[k : k + AT_ONCE].resampled(samples)
+                for steps, along, limits in stages:
+                    if first and along == 1:
+                        now = matched(self.task, refined(self.task, now, steps, along, limits)[0].chains, samples)
+                    elif along < 1:
+                        now, cost = refined(self.task, now, steps, along, limits)
+                done.append(now)
+                costs.append(cost)
+            state, cost = self.chosen(joined_states(done), np.concatenate(costs), kept * self.effort)
+        return state, cost
+
+    def chosen(self, state: State, cost: Real, count: int) -> tuple[State, Real]:
+        """The best distinct chains, few of one kind, and at most half of kinds that seldom stack."""
+        bodies, order = state.chains.bodies, np.argsort(cost, kind="stable")
+        stacking, rows = stacks(bodies), list[int]()
         for row in order[np.isfinite(cost[order])].tolist():
-            kind = [one for one in rows if (chains.bodies[row] == chains.bodies[one]).all()]
+            kind = [one for one in rows if (bodies[row] == bodies[one]).all()]
             copy = any(cost[row] <= cost[one] * (1 + COPY) + 1e-14 for one in kind)
-            alike = kind if stacking[row] else [one for one in rows if not stacking[one]]
-            if not copy and (chains.dyads == 1 or len(alike) < count / 2):
+            seldom = 0 if stacking[row] else sum(not stacking[one] for one in rows)
+            if not copy and (bodies.shape[1] == 1 or (len(kind) < ALIKE * count and seldom < count / 2)):
                 rows.append(row)
             if len(rows) == count:
                 break
-        return chains[np.array(rows, dtype=int)], cost[np.array(rows, dtype=int)]
+        best = np.array(rows, dtype=int)
+        return state[best], cost[best]
 
-    def grown(self, chains: Chains, count: int) -> Chains:
+    def grown(self, state: State, count: int) -> State:
         """The chains with random third and fourth links of a dyad at the traced point, which stays where it is."""
-        rows = np.repeat(np.arange(len(chains)), count)
-        ends, traced_body = chains[rows], 2 * chains.dyads
-        others = np.array([b for b in range(-chains.is_geared, 2 + 2 * chains.dyads) if b != traced_body])
+        rows = np.arange(count) % len(state)
+        ends = state.chains[rows]
+        traced_body = 2 * ends.dyads
+        others = np.array([b for b in range(-ends.is_geared, 2 + 2 * ends.dyads) if b != traced_body])
         pair = np.stack([np.full(len(rows), traced_body), others[self.rng.integers(0, len(others), len(rows))]], axis=1)
-        return self.task.within(extended(ends, pair, self.rng, ends.x[:, -2] + 1j * ends.x[:, -1])[0])
+        chains, kept = extended(ends, pair, self.rng, ends.x[:, -2] + 1j * ends.x[:, -1])
+        return replace(state[rows[kept]], chains=self.task.within(chains))
 
-    def hopped(self, chains: Chains, share: float, count: int) -> Chains:
+    def hopped(self, state: State, share: float, count: int) -> State:
         """Copies with all sizes changed at random by about this share."""
-        ends = chains[np.repeat(np.arange(len(chains)), -(-count // max(len(chains), 1)))]
+        rows = np.arange(count) % len(state) if len(state) else np.arange(0)
+        ends = state.chains[rows]
         spread = share * np.exp(self.rng.normal(size=(len(ends), 1)))
         change = spread * self.rng.normal(size=ends.x.shape)
         x = ends.x.copy()
@@ -400,19 +476,14 @@ class CurveSearch:
         parts = scale[:, ends.head : -2].reshape(len(ends), -1, PER_DYAD)
         parts[..., :4] = np.where(np.repeat(ends.bodies == GROUND, 2, axis=2), size[:, None], parts[..., :4])
         scale[:, ends.head : -2] = parts.reshape(len(ends), -1)
-        return self.task.within(replace(ends, x=x + scale * change))
+        return replace(state[rows], chains=self.task.within(replace(ends, x=x + scale * change)))
 
-    def finished(self, chains: Chains) -> Chains:
-        """The chains, and copies whose largest distances are smaller (least fourth powers)."""
-        if not len(chains) or self.watch.over():
-            return chains
-        state, _ = refined(self.task, matched(self.task, chains, 192), 40, 0.02, 600.0)
-        weights, level = np.full(state.cranks.shape, 1 / state.cranks.shape[1]), state
-        for _ in range(ROUNDS_OF_WEIGHTS):
-            place, tangent = self.task.target.at(level.places)
-            square = cross(tangent, traced(level.chains, level.cranks, derivatives=False).point - place) ** 2
-            square = np.nan_to_num(square / np.maximum(square.mean(axis=1, keepdims=True), 1e-20))
-            weights = weights ** (2 / 3) * np.minimum(square + 0.05, HEAVIEST) ** (1 / 3)
-            weights /= weights.sum(axis=1, keepdims=True)
-            level, _ = refined(self.task, level, 8, 0.02, 600.0, weights)
+    def finished(self, state: State) -> Chains:
+        """The chains, and copies whose largest distances are smaller (least high powers)."""
+        if not len(state) or self.watch.over():
+            return state.chains
+        state, _ = refined(self.task, state.resampled(SAMPLES[-1]), 40, 0.02, 600.0)
+        level = state
+        for power in POWERS:
+            level, _ = refined(self.task, level, POWER_STEPS, 0.02, 600.0, power)
         return joined([state.chains, level.chains])

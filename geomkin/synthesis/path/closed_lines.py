@@ -13,6 +13,8 @@ PARTS = 8
 AT_ONCE = 256
 # Number of points beyond which they are taken in their order.
 TOURED = 300
+# Parts of a line that are compared with each other.
+COMPARED = 600
 # Samples of a path, equal in arc length, whose distances from the line are measured.
 MEASURED = 1024
 
@@ -58,6 +60,19 @@ def distances(points: Complex, line: Complex, allowed: Real | None = None) -> Re
         less = 0.0 if allowed is None else allowed[nearest]
         result[k : k + AT_ONCE] = np.maximum(np.minimum(*found) - less, 0)
     return result
+
+
+def crossings(line: Complex) -> int:
+    """How often a closed line (k,) crosses itself; parts that run one on the other do not count."""
+    points = evenly(line[None], COMPARED)[0][0]
+    # Not the start of the line, where it may cross itself.
+    points = 0.7 * points + 0.3 * np.roll(points, -1)
+    step = np.roll(points, -1) - points
+    # On which side of each part of the line each point is, and the next one.
+    side = cross(step[:, None], points - points[:, None])
+    side[np.abs(side) < 1e-9 * np.abs(step[:, None]) * np.ptp(np.abs(points - points.mean()))] = 0
+    apart = side * np.roll(side, -1, axis=1) < 0
+    return int(np.count_nonzero(apart & apart.T)) // 2
 
 
 @record(eq=False)

@@ -15,20 +15,20 @@ from ...core.fields import FARTHEST, SMALLEST
 from ...core.units import bare_mm, mm
 from ...linkage.linkage import AbstractLinkage
 from ...plane.vec import Complex, Real
-from .any_curve import Box
+from .any_curve import ChainBounds
 from .closed_lines import loop
 from .coupler_paths import bound_all_links, bounds_of
 from .curve_library import curve_library, target_curve
 from .dyad_chains import linkage_of
 from .fits import PathTask
-from .search import ANYWHERE, LONGEST, PathFound, PathSearch
+from .search import LONGEST, PathFound, PathSearch
 
 # Largest number of points, and of those that a search uses: more take minutes.
 MOST_POINTS, MOST_USED = 200_000, 1_000
 # Limits of six- and eight-bars if none are given.
 CHAIN_DEG, CHAIN_RATIO = 20.0, 10.0
-# Bounds of six- and eight-bars.
-PIVOT_BOUNDS = ("origin_x", "origin_y", "pivots_x", "pivots_y")
+# Bounds of linkages for closed curves; others than these only four-bars and slider-cranks take.
+CURVE_BOUNDS = ("origin_x", "origin_y", "pivots_x", "pivots_y", "links")
 # Limits of a search if none are given: the least transmission angle, deg, and the largest ratio of links. Without them
 # many paths have no best linkage. The second line applies if all lengths are bounded.
 TOGGLE_DEG, LONGEST_RATIO = 5.0, 100.0
@@ -82,6 +82,7 @@ def path_generator(
     slides: bool = False,
     bars: Literal[4, 5, 6, 7, 8] = 4,
     geared: bool = False,
+    effort: Annotated[int, whole_between(1, 100)] = 1,
 ) -> PathFound:
     """Find the linkage whose traced point passes through given points or follows a closed curve.
 
@@ -105,8 +106,9 @@ def path_generator(
     bounds : mapping of str to (low, high), optional
         Exact bounds of `ground` (`offset` of a slider-crank), `crank`, `coupler`, `rocker`, `coupler_point_x`,
         `coupler_point_y`, `origin_x`, `origin_y` in mm, `ground_angle_deg`, and `start_deg`, the first crank angle from
-        the ground line. For more than four bars `origin_x`, `origin_y` of the crank pivot and `pivots_x`, `pivots_y`
-        of all other ground pivots.
+        the ground line. For closed curves `origin_x`, `origin_y` of the crank pivot, `pivots_x`, `pivots_y` of all
+        other ground pivots, and `links`, the distances of the pins of each body, which limit the size of the mechanism;
+        with more than four bars only these.
     seed : int
         Seed of the random starts, 0 to 2**32 - 1.
     time_limit : float
@@ -117,6 +119,8 @@ def path_generator(
         Largest number of bars. With more than 4 the points must be closed; `ranked` then also has linkages with fewer.
     geared : bool
         Whether to search for five- and seven-bars as well, whose two cranks are coupled by gears.
+    effort : int
+        Work of the search for closed curves, 1 to 100: with 3 it takes three times as long and comes nearer.
 
     Returns
     -------
@@ -143,9 +147,10 @@ def path_generator(
     in opposite senses or, with an idler, in one. Those of up to 50,000 random ones whose curves are most similar are
     refined by least squares of the distances both ways; others grow from the best with two bars less. The list leaves
     out a linkage if another is twice as near with no more bars, no longer links and no smaller transmission angle. The
-    same seed gives the same list unless the time limit ends the search, which takes about 20 s. At most half
-    of the chains that are kept are of kinds whose plates mostly collide: a crank with several links, or a second dyad
-    without a pivot.
+    same seed and effort give the same list unless the time limit ends the search, which takes about 20 s for an effort
+    of 1. At most half of the chains that are kept are of kinds whose plates mostly collide: a crank with several links,
+    or a second dyad without a pivot. At the end the sums of higher powers of the distances are made least, which makes
+    the largest distance smaller. Four-bars for closed curves without other bounds are found in the same way.
 
     Nine points without other conditions have a finite number of four-bars through them, up to 150. All are found, in 3
     to 30 s, whatever the time limit, and ranked, one of each three cognates. `path_count` states where the 1442 paths
@@ -163,18 +168,22 @@ def path_generator(
     ((), True)
     """
     wanted = np.asarray(points, dtype=complex)
-    boxes = ANYWHERE, ANYWHERE
-    _check_chain(bars, geared, {"closed": not closed, "drive_deg": drive_deg is not None, "slides": slides})
-    if bars > 4:
-        boxes, bounds = _boxes(bounds or {}), None
+    chain_bounds, timed = None, drive_deg is not None
+    _check_chain(bars, geared, {"closed": not closed, "drive_deg": timed, "slides": slides})
+    if effort > 1 and not (closed and not timed and not slides):
+        remedy = "omit it, or give a closed path without crank angles and a slider"
+        raise DesignError("effort", f"found {effort}, but only closed paths have one", remedy, "conflict")
+    of_curves = closed and not timed and not slides and set(bounds or ()) <= {*CURVE_BOUNDS}
+    if bars > 4 or (of_curves and bounds):
+        chain_bounds, bounds = _chain_bounds(bounds or {}), None
     targets, crank_angles = _used(wanted, drive_deg, closed)
     centre = complex(targets.mean())
     size = float(np.sqrt(np.mean(np.abs(targets - centre) ** 2)))
     if not size > max(SMALLEST, 1e-12 * abs(centre)):
         raise DesignError("points", "all are the same", "give points apart from each other", "conflict")
     low, high = bounds_of(bounds, slides, crank_angles is not None, centre, size)
-    if closed and bars > 4:
-        _check_pivots(targets, boxes)
+    if chain_bounds:
+        _check_pivots(targets, chain_bounds)
     least, usual = least_transmission_angle_deg, usual_limits(bars, bound_all_links(bounds, slides))
     path_search = PathSearch(
         points=targets,
@@ -196,7 +205,8 @@ def path_generator(
         time_limit=time_limit,
         bars=bars,
         is_geared=geared,
-        boxes=boxes,
+        effort=effort,
+        chain_bounds=chain_bounds,
         given=len(wanted) if len(wanted) > len(targets) else 0,
     )
     ranked, watch = path_search.ranked(0)
@@ -204,7 +214,7 @@ def path_generator(
         if watch.cut:
             raise watch.too_short()
         raise DesignError(
-            "bounds" if bounds or boxes != (ANYWHERE, ANYWHERE) else "points",
+            "bounds" if bounds or (chain_bounds and chain_bounds != ChainBounds()) else "points",
             "no linkage was found that moves within the limits",
             "give wider limits or bounds, or another seed",
         )
@@ -285,31 +295,37 @@ def _used(points: Complex, drive_deg: Angles | None, closed: bool) -> tuple[Comp
     return points, turns
 
 
-def _boxes(bounds: Mapping[str, tuple[float, float]]) -> tuple[Box, Box]:
-    """Boxes of the crank pivot and of all other ground pivots, mm."""
+def _chain_bounds(bounds: Mapping[str, tuple[float, float]]) -> ChainBounds:
+    """Boxes of the crank pivot and of all other ground pivots, and bounds of the links, mm."""
     for name, (low, high) in bounds.items():
-        if name not in PIVOT_BOUNDS:
-            remedy = f"give any of {', '.join(PIVOT_BOUNDS)}, or 4 bars"
+        if name not in CURVE_BOUNDS:
+            remedy = f"give any of {', '.join(CURVE_BOUNDS)}, or 4 bars"
             raise DesignError("bounds", f"found {shown(name)}", remedy, "unknown-key")
         if not low <= high:
             raise DesignError("bounds", f"{name} from {low:g} to {high:g} is not a range", "give the lower value first")
-    free = (-np.inf, np.inf)
+    free, links = (-np.inf, np.inf), bounds.get("links", (0.0, np.inf))
+    if links[1] <= 0:
+        raise DesignError("bounds", f"links is at most {mm(links[1]):down6}", "give a length above 0", "out-of-range")
     sides = [(bounds.get(f"{of}_x", free), bounds.get(f"{of}_y", free)) for of in ("origin", "pivots")]
     crank, pivots = ((complex(x[0], y[0]), complex(x[1], y[1])) for x, y in sides)
-    return crank, pivots
+    return ChainBounds(crank, pivots, (max(links[0], 0.0), links[1]))
 
 
-def _check_pivots(points: Complex, boxes: tuple[Box, Box]) -> None:
+def _check_pivots(points: Complex, bounds: ChainBounds) -> None:
     """Refuse boxes of ground pivots that the longest links cannot reach."""
     corners = complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
-    middle, longest = sum(corners) / 2, LONGEST * abs(corners[1] - corners[0])
-    for of, (low, high) in zip(("origin", "pivots"), boxes):
+    middle, size = sum(corners) / 2, abs(corners[1] - corners[0])
+    longest = min(LONGEST * size, bounds.links[1])
+    if bounds.links[0] > longest:
+        problem = f"links is at least {mm(bounds.links[0]):.4g}, {LONGEST:g} times the size of the curve or more"
+        raise DesignError("bounds", problem, f"give at most {mm(longest):down3}, or a larger curve", "out-of-range")
+    for of, (low, high) in zip(("origin", "pivots"), (bounds.crank, bounds.pivots)):
         nearest = complex(*(np.clip((middle.real, middle.imag), (low.real, low.imag), (high.real, high.imag))))
         if abs(nearest - middle) > longest:
             raise DesignError(
                 "bounds",
                 f"{of}_x and {of}_y put ground pivots at least {mm(abs(nearest - middle)):.4g} from the middle of the "
-                f"curve, and no link is longer than {LONGEST:g} times its size, {mm(longest):.4g}",
+                f"curve, and no link is longer than {mm(longest):.4g}",
                 f"give places within {mm(longest):.4g} of {bare_mm(middle.real, middle.imag):.4g}, or a larger curve",
                 "out-of-range",
             )

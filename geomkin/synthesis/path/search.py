@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import field, replace
 from functools import cached_property
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -20,8 +21,8 @@ from ...linkage.moving import move
 from ...linkage.named_linkages import FourBar, SliderCrank
 from ...plane.vec import Complex, Real, Whole, cross
 from ..found import Found, Rounding
-from .any_curve import MARGIN_DEG, MARGIN_RATIO, Box, CurveSearch, CurveTask
-from .closed_lines import WantedLine
+from .any_curve import MARGIN_DEG, MARGIN_RATIO, ChainBounds, CurveSearch, CurveTask
+from .closed_lines import WantedLine, crossings
 from .coupler_paths import (
     ARM_X,
     ARM_Y,
@@ -123,6 +124,20 @@ class PathFound(Found):
         return f"{self.bars} bars, {100 * self.largest_distance / size:.2g} % off, " if size else ""
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        """What a user should know of the points of a closed path, or of their number."""
+        sentences = []
+        if self.given:
+            sentences.append(f"Of {self.given:,} points {len(self.points):,} are used.")
+        if self.wanted_line is not None and len(self.points) < FEW_POINTS:
+            remedy = "give points along the sides of a polygon"
+            sentences.append(f"A smooth closed line through the {len(self.points)} points is followed: {remedy}.")
+        if self.wanted_line is not None and (count := crossings(self.wanted_line.line)) > MANY_CROSSINGS:
+            remedy = "give parts of it to several linkages, or a simpler curve"
+            sentences.append(f"The curve crosses itself {count} times, which few linkages follow: {remedy}.")
+        return tuple(sentences)
+
+    @property
     def extent(self) -> float:
         """Size of the place that all pins and the traced point need over a turn, as a multiple of the path's."""
         motion = move(self.linkage, np.linspace(0, 2 * np.pi, 61), self.branch)
@@ -193,6 +208,9 @@ class PathFound(Found):
         return np.degrees(self.drive)
 
 
+# Number of points below which the line through the points of a closed path is stated to be smooth, and crossings beyond
+# which that number is stated.
+FEW_POINTS, MANY_CROSSINGS = 6, 6
 # Crank angles of a full turn at which closed paths are measured.
 FULL_TURN = 2 * np.pi * np.arange(2049) / 2048
 
@@ -286,8 +304,6 @@ def _circuits(x: Real, cranks: Real, branch: Whole) -> int:
 # Factor of the distance from the path beyond which a linkage is much worse, and the relative difference of sizes that
 # does not count, of linkages with more than four bars.
 FAR, NEARLY = 2.0, 0.02
-# Ground pivots may be anywhere.
-ANYWHERE: Box = (complex(-np.inf, -np.inf), complex(np.inf, np.inf))
 # Longest link of a chain, as a multiple of the path's size.
 LONGEST = 3.0
 # Number of points in the search; further ones join at the end, since they take longer and change nothing earlier.
@@ -316,7 +332,8 @@ class PathSearch:
     time_limit: float
     bars: int = 4
     is_geared: bool = False
-    boxes: tuple[Box, Box] = (ANYWHERE, ANYWHERE)
+    effort: int = 1
+    chain_bounds: ChainBounds | None = None
     given: int = 0
 
     @cached_property
@@ -345,7 +362,7 @@ class PathSearch:
             if not arrangement:
                 linkages, count = self.through_nine(lambda share: report(share, what))
         watch = Watch(self.time_limit, what)
-        if self.bars > 4:
+        if self.chain_bounds:
             linkages = self.chains(number, watch)
         elif not any(not linkage.defects for linkage in linkages):
             x, t, branch = self.searched(np.random.default_rng([self.seed, number]), watch)
@@ -377,6 +394,8 @@ class PathSearch:
     def searched(self, rng: np.random.Generator, watch: Watch) -> tuple[Real, Real, Real]:
         """Linkages x (s, 10), cranks t (s, n) if these are free, and branches, the best first."""
         task = self.task
+        if task.free and task.closed and not task.slides and not self.bounded:
+            return self.closed_four_bars(rng, watch)
         few = task.thinned(SEARCH_POINTS)
         if few.free:
             x, t, branch = free_starts(few, rng, watch)
@@ -391,20 +410,17 @@ class PathSearch:
             x, t, branch = refined_starts(task, x, t, branch, watch)
         if task.free and task.closed and len(x):
             t = nearest_from(task, x, nearest_angles(task, x, t, branch), branch)
-        if task.free and task.closed and not task.slides and not self.bounded:
-            # The least squares of the points alone may be linkages whose paths make loops away from them.
-            both = zip((x, t, branch), self.closed_four_bars(rng, watch))
-            x, t, branch = (np.concatenate(pair) for pair in both)
         return x, t, branch
 
     def _curve_search(self, seed: int, watch: Watch) -> tuple[TargetCurve, list[Chains]]:
         """The target of a search for chains, and the chains that it finds."""
         assert self.wanted_line is not None
         target = target_curve(self.wanted_line.line)
-        boxes = [(in_units(low, target), in_units(high, target)) for low, high in self.boxes]
+        bounds = (self.chain_bounds or ChainBounds()).scaled(target.scale, target.middle)
+        bounds = replace(bounds, links=(bounds.links[0], min(bounds.links[1], LONGEST * SIZE)))
         limits = float(np.degrees(self.task.least_transmission)), self.task.largest_ratio
-        task = CurveTask(target, *limits, LONGEST * SIZE, *boxes)
-        return target, list(CurveSearch(task, self.bars, self.is_geared, seed, watch).run().values())
+        task = CurveTask(target, *limits, bounds)
+        return target, list(CurveSearch(task, self.bars, self.is_geared, self.effort, seed, watch).run().values())
 
     def closed_four_bars(self, rng: np.random.Generator, watch: Watch) -> tuple[Real, Real, Real]:
         """`searched` for closed paths: the best two ways, and these with the least squares of the points alone."""
@@ -462,7 +478,12 @@ class PathSearch:
             limits.append(f"a transmission angle of {np.degrees(self.task.least_transmission):g} deg")
         if found.ratio > 0.99 * MARGIN_RATIO * self.task.largest_ratio:
             limits.append(f"a ratio of links of {self.task.largest_ratio:g}")
-        return replace(found, at_limits=tuple(limits)) if found.ratio <= self.task.largest_ratio else None
+        low, high = (self.chain_bounds or ChainBounds()).links
+        bodies = linkage.linkage.bodies.values()
+        pins = [[place for name, place in points.items() if name != "coupler_point"] for points in bodies]
+        apart = max(abs(complex(a) - complex(b)) for row in pins for a, b in combinations(row, 2))
+        is_within = found.ratio <= self.task.largest_ratio and low <= min(found.lengths.values()) and apart <= high
+        return replace(found, at_limits=tuple(limits)) if is_within else None
 
     def through_nine(self, report: Callable[[float], None]) -> tuple[list[PathFound], PathCount]:
         """The best of each three cognates, driven at either pivot, and where all paths to them ended."""
@@ -548,12 +569,6 @@ class PathSearch:
 
 def _zero_if_nan(value: float) -> float:
     return value if np.isfinite(value) else 0.0
-
-
-def in_units(corner: complex, target: TargetCurve) -> complex:
-    """A corner of a box in units of the search; parts may be infinite."""
-    shift, scale = target.middle, target.scale
-    return complex((corner.real - shift.real) / scale, (corner.imag - shift.imag) / scale)
 
 
 def _is_worse(first: PathFound, second: PathFound) -> bool:
