@@ -1,9 +1,10 @@
 // The editor of the studio: it connects the player with its handles, the form, and the server that edits the recipe's text.
+import { linkOf, recipeIn } from "../player/links.js";
 import { make } from "../player/shapes.js";
 import { mount } from "../player/player.js";
 import { read } from "../player/plots.js";
 import { mountRows, showRows } from "../player/rows.js";
-import { chooseName, draftsOf, forget, keep, linkOf, python, recipeIn, showGallery } from "./dialogs.js";
+import { chooseName, draftsOf, forget, keep, python, showGallery } from "./dialogs.js";
 import { Dimensions } from "./dimensions.js";
 import { Form } from "./form.js";
 import { Ghost } from "./ghost.js";
@@ -60,6 +61,8 @@ class Editor {
   async start() {
     const { first, text, folder } = await get("start");
     this.folder = folder;
+    // Links to the studio on this machine lead here.
+    try { localStorage.setItem("geomkin-studio", location.pathname); } catch { /* A browser may keep nothing. */ }
     // A notebook keeps the edited text, and a page that is loaded again continues with it.
     this.isKept = text !== "";
     // A link may have the recipe.
@@ -155,10 +158,14 @@ class Editor {
 
   // Loads the recipe that the fragment of the address holds, and returns whether it has one.
   loadShared() {
-    const [, held] = location.hash.match(/^#recipe=([\w-]+)$/) ?? [];
-    if (!held) return false;
+    const { hash } = location;
+    if (!hash) return false;
     history.replaceState(null, "", location.pathname);
-    try { this.load(recipeIn(held), "", ""); } catch { this.announce("This link holds no recipe"); return false; }
+    try {
+      const text = recipeIn(hash);
+      if (text === null) return false;
+      this.load(text, "", "");
+    } catch { this.announce("This link holds no recipe"); return false; }
     // Unlike a template it is kept from the start.
     this.firstText = "";
     return true;
