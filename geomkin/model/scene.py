@@ -311,7 +311,7 @@ class Candidate:
     label : str
         For people.
     lines : tuple of complex arrays
-        Strokes of the picture, mm.
+        Strokes of the picture, mm: points, or frames of them, frame first.
     """
 
     key: str

@@ -294,7 +294,9 @@ def recipe(job: Job) -> str:
     body = (
         f"<p>Save it as <code>{text(file)}</code>; this command makes the files again:</p>"
         f"<pre><code>{text(again)}</code></pre>"
-        f'<p><button type="button" id="save-recipe">Save the recipe</button></p>'
+        '<p><button type="button" id="save-recipe">Save the recipe</button> '
+        '<button type="button" id="open-recipe" title="In the studio that runs on this machine: geomkin studio">'
+        "Open in the studio</button></p>"
         f'<pre tabindex="0" aria-label="The recipe"><code id="recipe-text">{_lines(lines)}</code></pre>'
     )
     return html_section("recipe", "Recipe", body)

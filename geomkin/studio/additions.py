@@ -9,7 +9,7 @@ from typing import Any
 
 from ..core.dotted_keys import key_parts
 from ..core.errors import DesignError, GeomkinError, RecipeError, shown
-from ..core.field_visitor import ROWS, DeclaredField, fields_of
+from ..core.field_visitor import ROWS, DeclaredField, fields_of, kind_of
 from ..core.units import MM, UNITS
 from ..recipe.lengths import from_mm, shown_numbers
 from ..recipe.load import plain_value
@@ -30,7 +30,8 @@ def addition(
     recipe : AbstractRecipe
         The recipe before.
     key : str
-        The table's key; of a list that of the list, or with `[]`.
+        The table's key; of a list that of the list, or with `[]`. `key=kind` makes a table that is there one of another
+        kind, such as `cam.follower=oscillating-roller`; values that both kinds have stay.
     opened : callable
         The recipe with other values; raises GeomkinError for values that it refuses.
 
@@ -39,14 +40,14 @@ def addition(
     DesignError
         If the recipe has no such table, or refuses all values; then with the reason for the first ones.
     """
-    key = key.removesuffix("[]")
+    key, _, kind = key.removesuffix("[]").partition("=")
     around = key.rpartition(".")[0]
-    if around and _declared(*_innermost(recipe, around)[:2])[1] is None:
+    if not kind and around and _declared(*_innermost(recipe, around)[:2])[1] is None:
         first = addition(recipe, around, opened)
         more = addition(opened(first), key, lambda changes: opened({**first, **changes}))
         return {**first, **more}
     refusal: GeomkinError | None = None
-    for changes in islice(_candidates(recipe, key), MOST_TRIALS):
+    for changes in islice(_of_kind(recipe, key, kind) if kind else _candidates(recipe, key), MOST_TRIALS):
         for _ in range(2):
             try:
                 _use(opened(changes))
@@ -107,6 +108,21 @@ def _candidates(recipe: AbstractRecipe, key: str) -> Iterator[Mapping[str, Any]]
         places = [f"{key}.{name}" for name in known.get(inside, ())] if declared.is_named else [key + index]
         for plain, place, chosen in product([whole, *fewer, bare], places, product(*names.values())):
             yield {**extra, place: plain | {name: value for name, value in zip(names, chosen) if name in plain}}
+
+
+def _of_kind(recipe: AbstractRecipe, key: str, kind: str) -> Iterator[Mapping[str, Any]]:
+    inner, inside, _ = _innermost(recipe, key)
+    declared, held = _declared(inner, inside)
+    table = next((table for table in declared.tables if kind_of(table) == kind), None)
+    if table is None or held is None:
+        kinds = ", ".join(filter(None, map(kind_of, declared.tables)))
+        raise DesignError(key, f"found {shown(kind)}", f"give one of {kinds}" if kinds else "omit it", "unknown-kind")
+    before, whole = (_without_defaults(values, inner) for values in (held, example(table)))
+    fields = fields_of(table)
+    common = {name: value for name, value in before.items() if name in fields and name != "kind"}
+    for values in (whole | common, whole):
+        gone = {name: None for name in before if name not in values}
+        yield {f"{key}.{name}": value for name, value in {**gone, **values}.items()}
 
 
 def _has_names(value: Any) -> bool:

@@ -8,6 +8,8 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import tomlkit
+from tomlkit.exceptions import ParseError, TOMLKitError
 
 from ..build import errors_named_by_key
 from ..core.errors import DesignError, FileError, GeomkinError, Problem, RecipeError, harmless, shown
@@ -29,7 +31,7 @@ from .drafts import Draft, flat, read
 from .dragging import dragged, is_locked, plot_factors
 from .joining import joined, shafts
 from .lengths import dimensions, resized
-from .strokes import drawn_recipe
+from .strokes import drawn_recipe, lines_of
 from .structure import advice, drawn, is_unfinished, point_handles, structure_at, structure_data, unfinished
 
 # Where keys begin of which some may be missing or wrong while a linkage is built.
@@ -126,7 +128,7 @@ def _replied(draft: Draft, request: Mapping[str, Any]) -> Answer:
                 reply["structure"] = structure_data(structure_at(recipe, 0))
                 reply["dimensions"] = dimensions(recipe.linkage.linkage)
     except GeomkinError as error:
-        reply["problems"] = problems_of(error)
+        reply["problems"] = [_with_line(problem, draft.text) for problem in problems_of(error)]
     except (MemoryError, RecursionError):
         problem = Problem("", "it takes too much memory", "give smaller numbers", "too-much-work")
         reply["problems"] = [problem.to_dict()]
@@ -148,6 +150,18 @@ def problems_of(error: GeomkinError) -> list[dict[str, str | float]]:
         case _:
             problems = [Problem("", str(error), "")]
     return [problem.to_dict() for problem in problems]
+
+
+def _with_line(problem: dict[str, str | float], text: str) -> dict[str, str | float]:
+    """The problem of a text that is not TOML with the line at which reading ends."""
+    if problem["id"] == "invalid-toml":
+        try:
+            tomlkit.parse(text)
+        except ParseError as error:
+            return {**problem, "line": error.line}
+        except TOMLKitError:
+            pass
+    return problem
 
 
 # --- changes of the text: each from a draft to the draft after it -----------------------------------------------------
@@ -326,7 +340,7 @@ def _checks(recipe: AbstractRecipe, locks: Collection[str], reply: Answer) -> No
             "key": candidate.key,
             "value": candidate.value,
             "label": harmless(candidate.label),
-            "lines": [[_row(stroke.real), _row(stroke.imag)] for stroke in candidate.lines],
+            "lines": lines_of(candidate.lines),
         }
         for candidate in (recipe.candidates if isinstance(recipe, AbstractGoal) else ())
     ]

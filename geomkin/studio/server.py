@@ -48,6 +48,8 @@ NOBODY = "'none'"
 NOTEBOOKS = "http://localhost:* http://127.0.0.1:* https://localhost:* https://127.0.0.1:* vscode-webview:"
 # For files that were made, whose texts come from recipes.
 FILE_POLICY = "sandbox allow-scripts allow-downloads"
+# Pages that hold no secret and need none: one that leads a link to the studio that its browser opened last.
+PUBLIC = {"/open": "editor/open.html", "/open.js": "editor/open.js"}
 TYPES = {
     ".html": "text/html; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
@@ -154,9 +156,10 @@ class _Handler(BaseHTTPRequestHandler):
         try:
             # Only requests of the studio's own page are counted.
             checked = self._checked()
-            admitted = self.server.admit()
-            if not admitted:
-                raise RefusedError(HTTPStatus.TOO_MANY_REQUESTS, "too many requests", "wait")
+            if checked[0] not in PUBLIC.values():
+                admitted = self.server.admit()
+                if not admitted:
+                    raise RefusedError(HTTPStatus.TOO_MANY_REQUESTS, "too many requests", "wait")
             content, kind, policy = work(*checked)
         except RefusedError as error:
             status = error.status
@@ -202,6 +205,8 @@ class _Handler(BaseHTTPRequestHandler):
             parts = urlsplit(self.path)
         except ValueError:
             raise RefusedError(HTTPStatus.BAD_REQUEST, "the address is wrong") from None
+        if self.command == "GET" and parts.path in PUBLIC:
+            return PUBLIC[parts.path], {}
         token, *rest = unquote(parts.path).removeprefix("/").split("/", 1)
         if not rest or not compare_digest(token.encode(), self.server.token.encode()):
             raise RefusedError(

@@ -10,7 +10,7 @@ import numpy as np
 from ..core.errors import DesignError, shown
 from ..core.fields import FARTHEST
 from ..core.units import UNITS
-from ..linkage.linkage import AbstractLinkage
+from ..linkage.measures import least_transmission_angle
 from ..linkage.moving import move
 from ..linkage.parts.stock import LinkStock
 from ..plane.vec import Complex, Real
@@ -18,7 +18,7 @@ from ..recipe.keys import edited_text
 from ..recipe.load import to_toml
 from ..recipe.settings import Drive, Files
 from ..synthesis.found import Rounding
-from ..synthesis.kinds.linkage_goals import recipe_of
+from ..synthesis.kinds.linkage_goals import recipe_of, strokes_of
 from ..synthesis.path.closed_lines import WantedLine
 from ..synthesis.path.path import nearest_linkages
 from .building import plain
@@ -31,8 +31,8 @@ NEARLY_CLOSED, SMOOTHED = 0.2, 0.012
 KNOWN = {4: 2, 6: 4}
 # Rounding of the sizes of known linkages, in sizes of the path.
 ROUNDED = 1e-4
-# Positions of a known linkage in its picture.
-FRAMES = 120
+# Positions of a known linkage at which its path is compared; digits of the numbers of a picture.
+FRAMES, DIGITS = 120, 5
 
 HEAD = """# A linkage whose traced point follows a path that was drawn.
 kind = "path-generator"
@@ -118,7 +118,7 @@ def known_linkages(drawn: Any) -> list[dict[str, Any]]:
     """Known linkages with curves similar to a closed stroke, the nearest first; none of an open one.
 
     Each has its recipe as `text`, a `label` with its number of bars and the largest distance of the curves as a share
-    of the size, and `lines`, the strokes of its picture.
+    of the size and the least transmission angle, and `lines`, the strokes of its moving picture.
     """
     points, is_closed = stroke_points(drawn)
     if not is_closed:
@@ -129,27 +129,25 @@ def known_linkages(drawn: Any) -> list[dict[str, Any]]:
     for bars, count in KNOWN.items():
         for exact, branch in nearest_linkages(points, bars, count):  # type: ignore[arg-type]
             linkage = rounding.linkage(exact)
-            path, lines = _picture(linkage, branch)
-            _, largest, _ = wanted.both_ways(path)
+            motion = move(linkage, np.linspace(0, 2 * np.pi, FRAMES + 1), branch)
+            _, largest, _ = wanted.both_ways(motion.point("coupler_point").position)
             recipe = recipe_of(linkage, branch, (0.0, 360.0), Drive(), LinkStock(), Files())
-            found.append((largest / size, bars, lines, recipe))
-    found.sort(key=lambda entry: entry[0])
-    return [
-        {"label": f"{bars} bars, {100 * share:.2g} % off", "lines": lines, "text": to_toml(recipe)}
-        for share, bars, lines, recipe in found
-    ]
+            angle = np.degrees(least_transmission_angle(motion))
+            label = f"{bars} bars, {100 * largest / size:.2g} % off, transmission angle {angle:.2g} deg"
+            lines = lines_of(strokes_of(linkage, branch, (0.0, 2 * np.pi)))
+            found.append((largest, {"label": label, "lines": lines, "text": to_toml(recipe)}))
+    return [entry for _, entry in sorted(found, key=lambda pair: pair[0])]
 
 
-def _picture(linkage: AbstractLinkage, branch: int) -> tuple[Complex, list[list[list[float]]]]:
-    """The path of the traced point over a turn, and the bars at the start with that path."""
-    motion = move(linkage, np.linspace(0, 2 * np.pi, FRAMES + 1), branch)
-    path, strokes = motion.point("coupler_point").position, []
-    for body, points in motion.linkage.bodies.items():
-        places = [complex(motion.point(name).position[0]) for name in points]
-        if body != motion.linkage.ground and len(places) > 1:
-            strokes.append(np.array([*places, *places[: len(places) > 2]]))
-    lines = [[np.round(line.real, 3).tolist(), np.round(line.imag, 3).tolist()] for line in (*strokes, path)]
-    return path, lines
+def lines_of(strokes: Sequence[Complex]) -> list[list[Any]]:
+    """Strokes of a small picture as plain values: each [xs, ys], of one that moves rows of them over the frames."""
+    size = max((float(np.nanmax(np.abs(stroke), initial=0.0)) for stroke in strokes), default=0.0)
+    decimals = DIGITS - int(np.ceil(np.log10(size or 1.0)))
+
+    def plain_values(part: Real) -> list[Any]:
+        return np.where(np.isfinite(part), np.round(part, decimals).astype(object), None).tolist()  # type: ignore[no-any-return, call-overload]
+
+    return [[plain_values(stroke.real), plain_values(stroke.imag)] for stroke in strokes]
 
 
 def _is_place(place: object) -> bool:

@@ -10,7 +10,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.page.page import scene_data
-from geomkin.studio.server import StudioServer
+from geomkin.studio.server import PORT, StudioServer
 from geomkin.studio.service import Studio
 from geomkin.studio.workspace import Workspace
 
@@ -271,10 +271,14 @@ def test_a_link_holds_the_recipe_that_is_shown(studio):
     page.click("#share-link")
     page.wait_for_selector('#status:has-text("copied")')
     link = page.evaluate("navigator.clipboard.readText()")
+    # It holds no secret of this studio, and leads to the one that this browser opened last.
+    assert link.startswith(f"http://127.0.0.1:{PORT}/open#recipe=")
+    link = link.replace(str(PORT), str(editor.server.server_port))
+    here = link.replace("/open", f"/{editor.server.token}/")
     # In a page that is loaded with it, and in one that is open already.
     for act in (
         lambda: (page.goto("about:blank"), page.goto(link)),
-        lambda: page.evaluate("link => location.assign(link)", link),
+        lambda: page.evaluate("link => location.assign(link)", here),
     ):
         act()
         page.wait_for_selector('#name:has-text("new four-bar")')
@@ -286,6 +290,19 @@ def test_a_link_holds_the_recipe_that_is_shown(studio):
         page.wait_for_selector("#dirty", state="hidden")
     saved = [file.read_text() for file in editor.file.parent.glob("copy*.toml")]
     assert saved == [text.replace("30.00", "31")] * 2
+
+
+def test_a_link_without_a_studio_says_what_to_do(studio):
+    editor = studio(FOUR_BAR)
+    page, other = editor.page, editor.page.context.browser.new_context().new_page()
+    other.goto(f"http://127.0.0.1:{editor.server.server_port}/open#recipe=a2luZA")
+    other.wait_for_selector('#said:has-text("geomkin studio")')
+    # A token that is no longer right is not followed either.
+    page.evaluate("localStorage.setItem('geomkin-studio', '/gone/')")
+    editor.allowed.append("404 (Not Found)")
+    page.goto(f"http://127.0.0.1:{editor.server.server_port}/open#recipe=a2luZA")
+    page.wait_for_selector('#said:has-text("geomkin studio")')
+    other.context.close()
 
 
 @pytest.mark.parametrize("recipe", ["wiper", "double-rocker"])

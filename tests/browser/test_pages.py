@@ -1,8 +1,10 @@
 """Pages as a reader has them: they open, move, follow the slider, the pointer and the keys, and show what the files state."""
 
 import csv
+from base64 import urlsafe_b64decode, urlsafe_b64encode
 from itertools import combinations
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -252,6 +254,32 @@ def test_plots_follow_and_lead(folder, opened):
     assert abs(frame_of(page) - 90) <= 1
     line = page.locator(".plot .now").first.bounding_box()
     assert abs(line["x"] - box["x"] - box["width"] / 4) < 3
+
+
+def test_a_page_opens_its_recipe_in_the_studio_and_that_of_a_link(folder, opened):
+    """A stand-in for `window.open`, since no studio runs here: what it gets is decoded apart."""
+    page = opened(page_of("crank-rocker", folder)[1]).page
+    page.evaluate("window.open = (link) => { window.asked = link; return true; }")
+    text = page.text_content("#recipe-text") + "\n"
+
+    def asked():
+        address, held = page.evaluate("window.asked").split("#recipe=")
+        assert urlsplit(address).hostname == "127.0.0.1"
+        return urlsafe_b64decode(held + "=" * (-len(held) % 4)).decode()
+
+    page.click("#open-recipe")
+    assert asked() == text and page.locator("#linked").count() == 0
+    other = "# ½ größer\nkind = 'four-bar'\n"
+    held = urlsafe_b64encode(other.encode()).decode().rstrip("=")
+    page.evaluate("held => { location.hash = `#recipe=${held}`; }", held)
+    page.click('#linked button:has-text("studio")')
+    assert asked() == other
+    with page.expect_download() as download:
+        page.click('#linked button:has-text("Save")')
+    assert Path(download.value.path()).read_text() == other
+    # A damaged link offers nothing.
+    page.evaluate("location.hash = '#recipe=%%'")
+    page.wait_for_selector("#linked", state="detached")
 
 
 def test_bars_show_the_effect_of_sizes_at_the_frame(folder, opened):

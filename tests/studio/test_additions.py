@@ -56,3 +56,34 @@ def test_an_added_table_of_a_recipe_in_inches_has_the_same_sizes():
     (spring,), (other,) = (gk.load(answer(r, {}, {"add": "loads.springs"})["text"]).loads.springs for r in recipes)
     assert (spring.body, spring.point) == (other.body, other.point)
     assert other.free_length == pytest.approx(spring.free_length)
+
+
+@pytest.mark.parametrize("units", ["mm", "in"])
+def test_a_table_of_another_kind_keeps_what_both_have(units):
+    scale = 1 if units == "mm" else 25.4
+    text = f"""kind = "disk-cam"
+units = "{units}"
+[cam]
+base_radius = {40 / scale}
+follower = {{ kind = "translating-roller", roller_radius = {8 / scale}, offset = {3 / scale} }}  # bought
+[[cam.program]]
+kind = "rise"
+law = "cycloidal"
+rise_deg = 10
+end_deg = 120
+[[cam.program]]
+kind = "return"
+law = "cycloidal"
+end_deg = 360
+"""
+    text = text.replace("rise_deg = 10", f"rise = {5 / scale}")
+    reply = answer(text, {}, {"add": "cam.follower=translating-flat"})
+    assert reply["limit"] is None and not reply["problems"] and "# bought" in reply["text"]
+    follower = gk.load(reply["text"]).cam.follower
+    assert follower.kind == "translating-flat"
+    back = gk.load(answer(reply["text"], {}, {"add": "cam.follower=translating-roller"})["text"]).cam.follower
+    assert back.kind == "translating-roller" and back.roller_radius > 0
+    # An unknown kind, and one that the mechanism refuses, change nothing.
+    for wrong in ("cam.follower=belt", "cam.follower=oscillating-flat", "cam=disk", "cam.program[7]=rise"):
+        refused = answer(text, {}, {"add": wrong})
+        assert refused["text"] == text and refused["limit"]["reason"] and not refused["problems"]

@@ -3,6 +3,7 @@
 import http.client
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from geomkin.core.processes import report
+from geomkin.page.page import player_file
 from geomkin.studio import server as module
 from geomkin.studio import service
 from geomkin.studio.server import HOST, LARGEST_BODY, MOST_A_SECOND, StudioServer
@@ -121,6 +123,24 @@ def test_too_many_requests_are_refused(running, monkeypatch):
     assert admitted <= MOST_A_SECOND
     monkeypatch.setattr(time, "monotonic", lambda: 6.5)
     assert running.admit()
+
+
+def test_the_page_that_leads_links_on_needs_and_holds_no_secret(running):
+    port = running.server_port
+    assert re.search(r":(\d+)/open", player_file("links.js"))[1] == str(module.PORT)
+    before = len(running._times)
+    for name in ("open", "open.js"):
+        with closing(http.client.HTTPConnection(HOST, port)) as connection:
+            connection.request("GET", f"/{name}")
+            reply = connection.getresponse()
+            content = reply.read().decode()
+        assert reply.status == 200 and running.token not in content + str(reply.headers)
+        for method, headers in (("POST", {}), ("GET", {"Host": "example.org"}), ("GET", {"Origin": "http://a.org"})):
+            with closing(http.client.HTTPConnection(HOST, port)) as connection:
+                connection.request(method, f"/{name}", "{}", headers)
+                assert connection.getresponse().status in (403, 404)
+    # A flood of them takes nothing from the page.
+    assert len(running._times) == before
 
 
 NAMES = [

@@ -119,17 +119,7 @@ export function chooseName(name) {
   });
 }
 
-// --- a recipe's text in a link, and as Python --------------------------------------------------------------------------
-
-// The address of the studio with a recipe in its fragment, base64 of UTF-8 for addresses, and the recipe in one.
-export const linkOf = (text) => {
-  const bytes = Array.from(new TextEncoder().encode(text), (byte) => String.fromCharCode(byte)).join("");
-  return `${location.origin}${location.pathname}#recipe=${btoa(bytes).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "")}`;
-};
-export const recipeIn = (held) => {
-  const bytes = Uint8Array.from(atob(held.replaceAll("-", "+").replaceAll("_", "/")), (sign) => sign.charCodeAt(0));
-  return new TextDecoder("utf-8", { fatal: true }).decode(bytes);
-};
+// --- a recipe's text as Python --------------------------------------------------------------------------
 
 // A script that loads the recipe and makes its files.
 export const python = (text) => `import geomkin as gk

@@ -1,16 +1,19 @@
 // The editor of the studio: it connects the player with its handles, the form, and the server that edits the recipe's text.
+import { linkOf, recipeIn } from "../player/links.js";
 import { make } from "../player/shapes.js";
 import { mount } from "../player/player.js";
 import { read } from "../player/plots.js";
 import { mountRows, showRows } from "../player/rows.js";
-import { chooseName, draftsOf, forget, keep, linkOf, python, recipeIn, showGallery } from "./dialogs.js";
+import { chooseName, draftsOf, forget, keep, python, showGallery } from "./dialogs.js";
 import { Dimensions } from "./dimensions.js";
 import { Form } from "./form.js";
 import { Ghost } from "./ghost.js";
 import { Handles } from "./handles.js";
 import { History } from "./history.js";
+import { showPictures } from "./pictures.js";
 import { Preview } from "./preview.js";
 import { finished, get, post } from "./server.js";
+import { TextPane } from "./text.js";
 import { Tools } from "./tools.js";
 
 // Time without input after which checks are requested, ms.
@@ -31,6 +34,7 @@ class Editor {
     Object.assign(this, { kind: "", values: {}, busy: false, queued: null, typing: "", target: null, problems: [], checked: [] });
     this.history = new History((undo, redo) => { at("undo").disabled = !undo; at("redo").disabled = !redo; });
     this.form = new Form(at("form"), this);
+    this.pane = new TextPane(at("text"), this);
     this.tools = new Tools(at("tools"), this);
     const acts = {
       gallery: () => showGallery(this), new: () => showGallery(this), join: () => showGallery(this, true), save: () => this.save(), "save-as": () => this.saveAs(),
@@ -40,6 +44,7 @@ class Editor {
     };
     for (const [id, act] of Object.entries(acts)) at(id).addEventListener("click", act);
     for (const button of document.querySelectorAll("[data-panel]")) button.addEventListener("click", () => this.fold(button.dataset.panel));
+    for (const button of document.querySelectorAll("[data-view]")) button.addEventListener("click", () => this.view(button.dataset.view));
     at("build").addEventListener("click", () => this.showTools(at("tools").hidden));
     at("badge").addEventListener("click", () => {
       this.fold("form", false);
@@ -56,6 +61,8 @@ class Editor {
   async start() {
     const { first, text, folder } = await get("start");
     this.folder = folder;
+    // Links to the studio on this machine lead here.
+    try { localStorage.setItem("geomkin-studio", location.pathname); } catch { /* A browser may keep nothing. */ }
     // A notebook keeps the edited text, and a page that is loaded again continues with it.
     this.isKept = text !== "";
     // A link may have the recipe.
@@ -76,6 +83,17 @@ class Editor {
     document.body.classList.toggle(`no-${panel}`, isFolded);
     document.querySelector(`[data-panel="${panel}"]`).setAttribute("aria-pressed", !isFolded);
     this.player?.fit(true);
+  }
+
+  // Shows the recipe as a form or as a text.
+  view(name) {
+    for (const button of document.querySelectorAll("[data-view]")) {
+      const isShown = button.dataset.view === name;
+      button.setAttribute("aria-pressed", isShown);
+      at(button.dataset.view).hidden = !isShown;
+    }
+    document.body.classList.toggle("as-text", name === "text");
+    this.pane.show(this.text, this.problems);
   }
 
   // Shows the tools that build a linkage, with room around it, or hides them.
@@ -140,10 +158,14 @@ class Editor {
 
   // Loads the recipe that the fragment of the address holds, and returns whether it has one.
   loadShared() {
-    const [, held] = location.hash.match(/^#recipe=([\w-]+)$/) ?? [];
-    if (!held) return false;
+    const { hash } = location;
+    if (!hash) return false;
     history.replaceState(null, "", location.pathname);
-    try { this.load(recipeIn(held), "", ""); } catch { this.announce("This link holds no recipe"); return false; }
+    try {
+      const text = recipeIn(hash);
+      if (text === null) return false;
+      this.load(text, "", "");
+    } catch { this.announce("This link holds no recipe"); return false; }
     // Unlike a template it is kept from the start.
     this.firstText = "";
     return true;
@@ -172,6 +194,14 @@ class Editor {
     if (this.typing !== name) { this.close(); this.history.begin(this.text); }
     this.typing = name;
     this.ask({ set: changes });
+  }
+
+  // Takes a text that was typed, and calls done() when it is answered.
+  type(text, done) {
+    this.close();
+    this.history.begin(this.text);
+    this.ask({}, text);
+    this.whenIdle(() => { this.history.end(this.text); done(); });
   }
 
   // Adds a table or the next item of a list; the server chooses values with which the recipe is valid.
@@ -233,7 +263,7 @@ class Editor {
 
   showKnown(known) {
     at("known").hidden = !known.length;
-    this.showPictures(at("known"), known.map((linkage) => ({ ...linkage, name: linkage.label, act: () => this.replaceBy({}, linkage.text) })));
+    showPictures(at("known"), known.map((linkage) => ({ ...linkage, name: linkage.label, act: () => this.replaceBy({}, linkage.text) })));
     if (known.length) this.announce(`${known.length} known linkages are similar; the search begins`);
   }
 
@@ -335,7 +365,7 @@ class Editor {
     const before = this.queued?.change;
     // Changes of several fields that wait for the same answer are sent together, so that none is lost.
     if (before?.set && change.set) change = { set: { ...before.set, ...change.set } };
-    if (!before || Object.keys(change).length) this.queued = { change, text };
+    if (!before || text !== undefined || Object.keys(change).length) this.queued = { change, text };
     clearTimeout(this.checkTimer);
     this.pump();
   }
@@ -496,6 +526,7 @@ class Editor {
 
   showProblems(problems) {
     this.problems = problems;
+    this.pane.show(this.text, problems);
     document.body.classList.toggle("stale", problems.length > 0);
     if (problems.length) at("badge").hidden = true;
     at("problems").replaceChildren();
@@ -546,25 +577,9 @@ class Editor {
   // Shows the linkages that a synthesis found as small pictures. A click on a picture chooses the linkage.
   showCandidates(candidates) {
     at("candidates").hidden = candidates.length < 2;
-    this.showPictures(at("candidates"), candidates.map(({ key, value, ...other }) => ({
+    showPictures(at("candidates"), candidates.map(({ key, value, ...other }) => ({
       ...other, name: other.label, isChosen: this.values[key] === value, act: () => { this.set({ [key]: value }, key); this.close(); },
     })));
-  }
-
-  // Fills a list of small pictures: their strokes `lines`, `name` below and longer `label`; a click calls `act`.
-  showPictures(section, pictures) {
-    const [root] = section.getElementsByClassName("pictures"), focus = root.contains(document.activeElement);
-    root.replaceChildren();
-    for (const { label, name, lines, isChosen = false, act } of pictures) {
-      const xs = lines.flatMap(([row]) => row), ys = lines.flatMap(([, row]) => row);
-      const button = make(root, "button", { type: "button", title: label, "aria-label": label, "aria-pressed": isChosen });
-      const [left, low] = [Math.min(...xs), Math.min(...ys)], size = Math.max(Math.max(...xs) - left, Math.max(...ys) - low) || 1;
-      const svg = make(button, "svg", { viewBox: [-0.06, -0.06, 1.12, 1.12].join(" "), "aria-hidden": true });
-      for (const [x, y] of lines) make(svg, "path", { d: `M${x.map((u, k) => `${(u - left) / size} ${1 - (y[k] - low) / size}`).join("L")}` });
-      make(button, "span", {}, name);
-      button.addEventListener("click", act);
-      if (focus && isChosen) button.focus();
-    }
   }
 
   showState() {

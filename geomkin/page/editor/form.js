@@ -87,9 +87,12 @@ export class Form {
     }
     if (group.help) make(part, "p", { class: "about" }, group.help);
     const kind = this.values[`${path}.kind`];
-    const fields = group.kinds ? group.kinds[kind] ?? Object.values(group.kinds)[0] : group.fields;
-    if (group.kinds && kind !== undefined && !fields.some(({ key }) => key.endsWith(".kind"))) {
-      this.addField(part, { key: `${path}.kind`, type: "choice", choices: Object.keys(group.kinds), help: "", unit: "" });
+    let fields = group.kinds ? group.kinds[kind] ?? Object.values(group.kinds)[0] : group.fields;
+    if (group.kinds && kind !== undefined) {
+      // Kinds that this mechanism refuses are not offered.
+      const choices = Object.keys(group.kinds).filter((other) => other === kind || !this.unavailable.includes(`${path}=${other}`));
+      this.addField(part, { key: `${path}.kind`, type: "choice", choices, help: "", unit: "", table: path });
+      fields = fields.filter(({ key }) => key !== `${group.key}.kind`);
     }
     for (const field of fields) this.addField(part, { ...field, key: path ? path + field.key.slice(group.key.length) : field.key });
     make(part, "p", { class: "problem", "data-of": path, role: "alert" });
@@ -218,6 +221,8 @@ export class Form {
     if (!input.name) return;
     const entry = [...this.fields.values()].find(({ inputs }) => inputs.includes(input));
     if (!entry) return;
+    // A table of another kind has other values, which the server chooses.
+    if (entry.table !== undefined) { this.editor.add(`${entry.table}=${JSON.parse(input.value)}`); return; }
     if (input.value === OWN) { this.editor.add(entry.key); return; }
     const value = valueOf(input);
     if (value === undefined) { this.showProblems([{ key: entry.key, problem: "this is no number", remedy: "type one, such as 12.5, 2*15 or 1/4 in" }]); return; }

@@ -1,6 +1,7 @@
 // The player: shows a scene moving, with its plots; mouse, touch and keys move the driver.
 import { Drawing, FOOT, MARGIN } from "./drawing.js";
 import { followPointers } from "./hands.js";
+import { mountRecipe } from "./links.js";
 import { drawingFile, drawingImage, offer } from "./pictures.js";
 import { measured, Plots, read, shown, unitOf } from "./plots.js";
 import { abs, floor, make, max, min, spaced } from "./shapes.js";
@@ -219,8 +220,7 @@ class Player {
         this.root.scrollIntoView({ block: "start" });
       });
     }
-    const recipe = document.getElementById("save-recipe");
-    recipe?.addEventListener("click", () => offer(`${document.getElementById("recipe-text").textContent}\n`, `${this.data.name}.toml`, "text/plain"));
+    mountRecipe(this.data.name);
   }
 
   key(event) {

@@ -34,8 +34,8 @@ from ..found import Found, Rounding
 F = TypeVar("F", bound=Found)
 # Number of linkages that summary.json lists.
 LISTED = 20
-# Positions of a linkage along which its picture draws the traced path.
-PICTURE_FRAMES = 41
+# Positions of a linkage in its picture.
+PICTURE_FRAMES = 61
 # Rounding errors, as shares of the linkage's size, tried in this order until the rounded linkage passes all checks that
 # the exact one passes. The first is a thousandth of manufacturing accuracy; the last is the level of rounding noise.
 SHARES = tuple(10.0**-k for k in range(6, 13))
@@ -194,9 +194,11 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
 
     @property
     def candidates(self) -> tuple[Candidate, ...]:
-        """The best linkages, each at its first position with the path of its traced points."""
-        ranked = self.ranked[:LISTED]
-        return tuple(Candidate("choose", k, _label(k, found), _strokes(found)) for k, found in enumerate(ranked, 1))
+        """The best linkages, moving, with the paths of their traced points."""
+        return tuple(
+            Candidate("choose", k, _label(k, found), strokes_of(found.linkage, found.branch, found.drive_range))
+            for k, found in enumerate(self.ranked[:LISTED], 1)
+        )
 
     @cached_property
     def scene(self) -> Scene:
@@ -223,19 +225,29 @@ def _label(rank: int, found: Found) -> str:
     """A label that distinguishes a linkage from the others."""
     angle = f"transmission angle {found.transmission_angle_deg:.3g} deg, " if not found.defects else ""
     defects = f", with a defect of {' and '.join(found.defects)}" if found.defects else ""
-    return f"{rank}: {found.accuracy}{angle}ratio of links {found.ratio:.3g}{defects}"
+    bars = f"{len(found.linkage.linkage.bodies)} bars, "
+    return f"{rank}: {found.accuracy}{bars}{angle}ratio of links {found.ratio:.3g}{defects}"
 
 
-def _strokes(found: Found) -> tuple[Complex, ...]:
-    motion = move(found.linkage, np.linspace(*found.drive_range, PICTURE_FRAMES), found.branch)
-    general, strokes = motion.linkage, []
+def strokes_of(linkage: AbstractLinkage, branch: int, drive_range: tuple[float, float]) -> tuple[Complex, ...]:
+    """Strokes of a small moving picture, mm: links at all of its positions, frame first, and paths of traced points.
+
+    A link of more than two points is a closed stroke, its pins first.
+    """
+    motion = move(linkage, np.linspace(*drive_range, PICTURE_FRAMES), branch)
+    general, links, paths = motion.linkage, [], []
     for body, points in general.bodies.items():
-        pins = [complex(motion.point(name).position[0]) for name in points if name in general.pins]
-        strokes.append(np.array([*pins, *pins[: len(pins) > 2]]))
-        strokes += [
-            motion.point(name).position for name in points if name not in general.pins and body != general.ground
-        ]
-    return tuple(kept for stroke in strokes if len(kept := stroke[np.isfinite(stroke)]) > 1)
+        pins, traced = (
+            [motion.point(name).position for name in points if (name in general.pins) == is_pin]
+            for is_pin in (True, False)
+        )
+        if body == general.ground:
+            links.append(np.array([pin[0] for pin in pins]))
+            continue
+        paths += [kept for path in traced if len(kept := path[np.isfinite(path)]) > 1]
+        corners = [*pins, *traced]
+        links.append(np.stack([*corners, *corners[: len(corners) > 2]], axis=-1))
+    return (*(link for link in links if link.shape[-1] > 1), *paths)
 
 
 def recipe_of(
