@@ -60,17 +60,17 @@ KINDS_BY_GROUP.update({
         "lantern-gears": "geomkin.gear.kinds.conjugate_gears:LanternGearsRecipe",
     },
     "cycloidal drives": {
-        "cycloidal-drive": "geomkin.cycloidal.kinds.cycloidal_drive:CycloidalDriveRecipe",
+        "cycloidal-drive": "geomkin.cycloidal.kinds:CycloidalDriveRecipe",
     },
     "Geneva drives": {
-        "geneva": "geomkin.geneva.kinds.geneva:GenevaRecipe",
+        "geneva": "geomkin.geneva.kinds:GenevaRecipe",
     },
     "belts and chains": {
-        "belt-drive": "geomkin.belt.kinds.drives:BeltDriveRecipe",
-        "chain-drive": "geomkin.belt.kinds.drives:ChainDriveRecipe",
+        "belt-drive": "geomkin.belt.kinds:BeltDriveRecipe",
+        "chain-drive": "geomkin.belt.kinds:ChainDriveRecipe",
     },
     "coupons": {
-        "fit-test": "geomkin.coupon.kinds.fit_test:FitTestRecipe",
+        "fit-test": "geomkin.coupon.kinds:FitTestRecipe",
     },
     "machines": {
         "machine": "geomkin.machine.kinds:MachineRecipe",

@@ -1,6 +1,6 @@
 # The public names of this package. Each is imported when it is first used.
-from .kinds.drives import BeltDriveRecipe as BeltDriveRecipe
-from .kinds.drives import ChainDriveRecipe as ChainDriveRecipe
+from .kinds import BeltDriveRecipe as BeltDriveRecipe
+from .kinds import ChainDriveRecipe as ChainDriveRecipe
 from .loop import BeltLoop as BeltLoop
 from .loop import LoopWheel as LoopWheel
 from .profiles import PROFILES as PROFILES

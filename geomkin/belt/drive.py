@@ -1,4 +1,4 @@
-"""A belt or chain drive: its wheels, the loop that fits them, their speeds, and the tensions under a load."""
+"""A belt or chain drive: wheels, the loop that fits them, speeds, tensions under a load, and worked formulas."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ import numpy as np
 from ..core.errors import DesignError
 from ..core.fields import FARTHEST, ComplexPoint, entry, quantity
 from ..core.records import record
-from ..core.units import mm
+from ..core.units import LengthUnit, mm
+from ..model.check import WorkedFormula, WorkedFormulas
 from ..model.table import Column, Table
 from ..plane.vec import Complex, Pose, Real
 from .loop import BeltLoop, LoopWheel
@@ -273,3 +274,45 @@ class LoopTensions:
         """Force of the loop on each shaft, N, (wheels,)."""
         after = self.tensions * self.drive.loop.directions
         return after - np.roll(after, 1)
+
+
+def loop_formulas(drive: LoopDrive, unit: LengthUnit) -> tuple[WorkedFormula, ...]:
+    """Pitch diameters, ratios, strands, and the length of the loop round all wheels."""
+    source = "Shigley, Mechanical Engineering Design, chapter 17"
+    loop, count, worked = drive.loop, len(drive.wheels), WorkedFormulas(source)
+    p = worked.give("p", "pitch", unit.of(drive.profile.pitch), unit.name)
+    worked.give("N", "pitches of the loop", drive.count)
+    for k, (wheel, wrap, axis) in enumerate(zip(drive.wheels, loop.wraps, drive.axes), 1):
+        following = drive.wheels[k % count]
+        name, distance = f"distance of the axes of {wheel.name} and {following.name}", abs(drive.axes[k % count] - axis)
+        if wheel.teeth:
+            worked.give(f"z_{k}", f"teeth of {wheel.name}", wheel.teeth)
+        else:
+            worked.give(f"d_{k}", f"pitch diameter of {wheel.name}", unit.of(2 * wheel.radius), unit.name)
+        worked.give(f"D_{k}", name, unit.of(distance), unit.name)
+        worked.give(f"w_{k}", f"angle that the loop wraps {wheel.name}", np.degrees(wrap), "deg")
+    form = "{p} {z} / {pi}" if isinstance(drive.profile, BeltProfile) else "{p} / sin(180 deg / {z})"
+    for k, wheel in enumerate(drive.wheels, 1):
+        if wheel.teeth:
+            template, value = form.replace("{z}", f"{{z_{k}}}"), float(unit.of(2 * wheel.radius))
+            worked.add(f"pitch diameter of {wheel.name}", f"d_{k}", template, value, unit.name)
+    lengths, terms = 0.0, []
+    for k, (wheel, span) in enumerate(zip(drive.wheels, loop.spans), 1):
+        after = k % count + 1
+        following = drive.wheels[after - 1]
+        sign = "-" if wheel.is_outside == following.is_outside else "+"
+        if wheel.teeth and k > 1:
+            ratio = wheel.teeth / (drive.wheels[0].teeth or 1)
+            worked.add(f"turns of the driver for one of {wheel.name}", f"i_{k}", f"{{z_{k}}} / {{z_1}}", ratio)
+        template = f"sqrt({{D_{k}}}^2 - (({{d_{k}}} {sign} {{d_{after}}}) / 2)^2)"
+        name = f"strand from {wheel.name} to {following.name}"
+        terms.append(f"{{t_{k}}}")
+        lengths += worked.add(name, f"t_{k}", template, float(unit.of(span)), unit.name)
+    for k, (wheel, wrap) in enumerate(zip(drive.wheels, loop.wraps), 1):
+        arc = wrap / (2 * np.pi) * (p * wheel.teeth if wheel.teeth else 2 * np.pi * float(unit.of(wheel.radius)))
+        template = f"{{p}} {{z_{k}}} {{w_{k}}} / 360" if wheel.teeth else f"{{d_{k}}} {{pi}} {{w_{k}}} / 360"
+        terms.append(f"{{b_{k}}}")
+        lengths += worked.add(f"length round {wheel.name}", f"b_{k}", template, arc, unit.name)
+    worked.add("length of strands and arcs", "L", " + ".join(terms), lengths, unit.name)
+    worked.add("length of the loop", "L_N", "{N} {p}", drive.count * p, unit.name)
+    return tuple(worked.formulas)

@@ -64,10 +64,10 @@ from .followers.follower import (
     Hole as Hole,
 )
 from .followers.roller import AbstractRoller as AbstractRoller
-from .kinds.conjugate import SecondCam as SecondCam
 from .kinds.conjugate_cams import ConjugateCamsRecipe as ConjugateCamsRecipe
+from .kinds.conjugate_cams import SecondCam as SecondCam
 from .kinds.disk_cam import DiskCamRecipe as DiskCamRecipe
-from .kinds.groove import Groove as Groove
+from .kinds.groove_cam import Groove as Groove
 from .kinds.groove_cam import GrooveCamRecipe as GrooveCamRecipe
 from .parts import CamStock as CamStock
 from .parts import cam_bought as cam_bought

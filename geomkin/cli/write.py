@@ -290,8 +290,7 @@ def chart_command(families: tuple[str, ...], quick: bool, out: Path) -> None:
     from ..core.errors import GeomkinError, printable
     from ..export.files import write_whole
     from ..tradeoff.files import chart_files
-    from ..tradeoff.measurement import growing_chart
-    from ..tradeoff.study import MISSING, stability
+    from ..tradeoff.measurement import MISSING, growing_chart, stability
 
     try:
         with progress_shown(), option_errors("FAMILY"):

@@ -1,3 +1,3 @@
 # The public names of this package. Each is imported when it is first used.
 from .drive import CycloidalDrive as CycloidalDrive
-from .kinds.cycloidal_drive import CycloidalDriveRecipe as CycloidalDriveRecipe
+from .kinds import CycloidalDriveRecipe as CycloidalDriveRecipe

@@ -6,7 +6,7 @@ from .files import chart_files as chart_files
 from .measurement import Chart as Chart
 from .measurement import FamilyChart as FamilyChart
 from .measurement import Measurement as Measurement
+from .measurement import Stability as Stability
 from .measurement import chart as chart
 from .measurement import pareto_front as pareto_front
-from .study import Stability as Stability
-from .study import stability as stability
+from .measurement import stability as stability

@@ -14,8 +14,7 @@ from ..export.text import text
 from ..page.page import head, player_file
 from .families import FAMILIES
 from .family import Method
-from .measurement import Chart, FamilyChart, Measurement
-from .study import EXPLANATION, HEADS, MISSING, Stability
+from .measurement import EXPLANATION, HEADS, MISSING, Chart, FamilyChart, Measurement, Stability
 
 # Sizes in pixels. A narrower picture would cut off names of the legend.
 WIDTH, LEFT, PLOT, TOP, LEAST_HEIGHT, ROW = 820, 74, 440, 46, 400, 19

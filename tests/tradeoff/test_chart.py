@@ -185,7 +185,7 @@ def test_chart_of_everything_has_the_study_or_states_how_to_get_it(tmp_path, mon
     monkeypatch.setattr("geomkin.tradeoff.files.FAMILIES", {"toy-sum": FAMILY})
     monkeypatch.setattr("geomkin.tradeoff.measurement.QUICK", 0.02)
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None if missing else name)
-    monkeypatch.setattr("geomkin.tradeoff.study.stability", kept.study)
+    monkeypatch.setattr("geomkin.tradeoff.measurement.stability", kept.study)
     result = CliRunner().invoke(cli, ["chart", "--quick", "--out", str(tmp_path)])
     page = (tmp_path / "chart" / "chart.html").read_text("utf-8")
     assert result.exit_code == 0 and 'id="stability"' in page

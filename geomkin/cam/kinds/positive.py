@@ -6,6 +6,7 @@ from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
@@ -20,20 +21,78 @@ from ...model.scene import Limit, Plot, Scene, SceneBody
 from ...model.table import Column, Table
 from ...plane.curve import AbstractCurve
 from ...plane.flatten import flatten
-from ...plane.vec import Real
+from ...plane.vec import Complex, Real
 from ...recipe.recipe import Additions, part_masses
 from ..cam import Cam
 from ..checks import cam_table
 from ..followers.follower import FollowerPlate, Hole
 from ..followers.roller import AbstractRoller
 from ..parts import pin_masses
-from ..play import Wall, play_angles, roller_play
 from ..program.extrema import samples
 from ..scene import cam_scene, with_size_plot
 from ..undercut import Undercut, undercut
 from .disk_cam import AbstractCamRecipe, CamAdditions
 from .loads import CamLoadsAspect
 from .made import MadeCam
+
+# Steps of the approach to a wall. Each leaves 1 - cos(pressure angle) of the distance: 1e-9 of it at 45 deg.
+STEPS = 17
+# Change, as a share of the largest one, with which the approach ends.
+NEAR = 1e-6
+# Positions in each smooth piece of the programme at which the play is computed; it varies slowly.
+POSITIONS = 25
+# Shares of a piece at which it begins and ends, so that no position is at a joint.
+INSIDE = 1e-6
+
+
+@record(eq=False)
+class Wall:
+    """A plate of a cam as cut, and the roller that runs along it.
+
+    outline: closed polygon of the wall, in the cam's frame, mm. centre: of the roller in the follower's frame, mm.
+    radius: of the roller, mm.
+    """
+
+    outline: Complex
+    centre: complex
+    radius: float
+
+
+def play_angles(cam: Cam) -> Real:
+    """Cam angles, rad, between the joints of a programme."""
+    shares = np.linspace(INSIDE, 1 - INSIDE, POSITIONS)
+    return np.concatenate([a + (b - a) * shares for a, b in pairwise(cam.program.breaks)])
+
+
+def roller_play(cam: Cam, walls: Sequence[Wall], angle: Real, most: float) -> tuple[Real, Real]:
+    """Changes of the lift, mm or rad, to either side of the programme's at which a roller meets a wall.
+
+    The first is negative and the second positive; with the other sign they are changes that free a roller that jams.
+    most: largest change, mm or rad, for a roller that no wall stops.
+    """
+    from ...plane.region import Edges
+
+    lift, back = cam.program.motion(angle).lift, np.exp(-1j * cam.sense * angle)
+    edges = [Edges(wall.outline, np.roll(wall.outline, -1)) for wall in walls]
+    # A roller moves by no more than this per unit of lift.
+    reach = max(abs(wall.centre) for wall in walls) if cam.follower.oscillates else 1.0
+
+    def room(shift: Real) -> Real:
+        pose = cam.follower.pose(lift + shift, cam.base_radius)
+        places = (back * np.asarray(pose.place(wall.centre)) for wall in walls)
+        rooms: Real = np.min([near.nearest(z)[1] - wall.radius for near, z, wall in zip(edges, places, walls)], axis=0)
+        return rooms
+
+    sides = []
+    for side in (-1, 1):
+        shift = np.zeros(np.shape(angle))
+        for _ in range(STEPS):
+            before, shift = shift, np.clip(shift + side * room(shift) / reach, -most, most)
+            if np.abs(shift - before).max() < NEAR * most:
+                break
+        sides.append(shift)
+    return sides[0], sides[1]
+
 
 # Chord tolerance of the walls whose play is computed, as a share of the clearance, and its least value, mm.
 CHORDS, LEAST_CHORDS = 0.005, 1e-4

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from ...core.arguments import between
-from ...core.errors import DesignError
-from ...core.fields import FARTHEST, entry, quantity, rounded_down, to_digits
-from ...core.records import record
-from ...core.units import UNITS, mm
-from ...making.assembly import BaseStock
-from ...making.motors import (
+from ..core.arguments import between
+from ..core.errors import DesignError
+from ..core.fields import FARTHEST, entry, quantity, rounded_down, to_digits
+from ..core.records import record
+from ..core.units import UNITS, mm
+from ..making.assembly import BaseStock
+from ..making.motors import (
     MOTORS,
     MotorKey,
     motor_check,
@@ -26,20 +26,18 @@ from ...making.motors import (
     nearest_motor,
     smallest_motor,
 )
-from ...model.check import Check, WorkedFormula
-from ...model.motor import RPM, Motor, MotorDuty, RotatingBody
-from ...model.scene import Scene, SceneHandle, SceneMark, circle_handle, drawn_at, point_handle
-from ...model.table import Table
-from ...plane.vec import Real
-from ...recipe.aspect import AbstractAspect
-from ...recipe.composed import AbstractPlatesRecipe
-from ...recipe.recipe import Additions, assembly_summary
-from ...recipe.settings import Files
-from ..drive import LoopDrive, LoopTensions, Pulley, loop_drive
-from ..parts import LoopPlates, PulleyStock, SprocketStock
-from ..profiles import BELTS, CHAINS, PROFILES, AbstractProfile
-from ..scene import loop_scene, turned_loop_scene
-from ..worked_formulas import loop_formulas
+from ..model.check import Check, WorkedFormula
+from ..model.motor import RPM, Motor, MotorDuty, RotatingBody
+from ..model.scene import Scene, SceneHandle, SceneMark, circle_handle, drawn_at, point_handle
+from ..model.table import Table
+from ..plane.vec import Real
+from ..recipe.aspect import AbstractAspect
+from ..recipe.composed import AbstractPlatesRecipe
+from ..recipe.recipe import Additions, assembly_summary
+from ..recipe.settings import Files
+from .drive import LoopDrive, LoopTensions, Pulley, loop_drive, loop_formulas
+from .parts import LoopPlates, PulleyStock, SprocketStock, loop_scene, turned_loop_scene
+from .profiles import BELTS, CHAINS, PROFILES, AbstractProfile
 
 # Teeth of a belt in mesh: with fewer its teeth shear off before its cords tear (makers' handbooks).
 LEAST_IN_MESH = 6

@@ -9,23 +9,23 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from ...core.errors import DesignError
-from ...core.fields import FARTHEST, entry, quantity, to_digits
-from ...core.records import record
-from ...core.units import UNITS, mm
-from ...making.assembly import BaseStock
-from ...model.check import Check, WorkedFormula, WorkedFormulas
-from ...model.motor import RotatingBody
-from ...model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark, circle_handle, dimension, point_handle
-from ...model.table import Column, Table
-from ...plane.primitives import Circle
-from ...plane.vec import Real
-from ...recipe.aspect import AbstractAspect
-from ...recipe.composed import AbstractPlatesRecipe
-from ...recipe.recipe import assembly_summary
-from ...recipe.settings import Drive, Files
-from ..parts import GenevaPlates, GenevaStock
-from ..wheel import GenevaWheel
+from ..core.errors import DesignError
+from ..core.fields import FARTHEST, entry, quantity, to_digits
+from ..core.records import record
+from ..core.units import UNITS, mm
+from ..making.assembly import BaseStock
+from ..model.check import Check, WorkedFormula, WorkedFormulas
+from ..model.motor import RotatingBody
+from ..model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark, circle_handle, dimension, point_handle
+from ..model.table import Column, Table
+from ..plane.primitives import Circle
+from ..plane.vec import Real
+from ..recipe.aspect import AbstractAspect
+from ..recipe.composed import AbstractPlatesRecipe
+from ..recipe.recipe import assembly_summary
+from ..recipe.settings import Drive, Files
+from .parts import GenevaPlates, GenevaStock
+from .wheel import GenevaWheel
 
 # Largest acceleration of the wheel over the square of the crank's speed; chosen here: four slots have 5.41, three 31.4.
 MOST_ACCELERATION = 6.0

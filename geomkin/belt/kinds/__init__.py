@@ -1,1 +1,0 @@
-"""Recipes of belt and chain drives."""
