@@ -241,12 +241,13 @@ class LoopTensions:
     """Tensions of a drive under torques.
 
     drive: the drive. torques: against the rotation of each wheel, N mm, 0 for the driver and idlers. slack: tension of
-    the strand after the driver, N.
+    the strand after the driver, N. efficiency: share of the driver's power that reaches the other wheels.
     """
 
     drive: LoopDrive
     torques: tuple[float, ...]
     slack: float
+    efficiency: float = 1.0
 
     @property
     def pull(self) -> float:
@@ -261,8 +262,9 @@ class LoopTensions:
 
     @property
     def driver_torque(self) -> float:
-        """Torque on the driver, N mm, without friction: that of equal power."""
-        return self.pull * self.drive.loop.wheels[0].pitches * self.drive.profile.pitch / (2 * np.pi)
+        """Torque on the driver, N mm: that of equal power, over the efficiency."""
+        turn = self.drive.loop.wheels[0].pitches * self.drive.profile.pitch
+        return self.pull * turn / (2 * np.pi) / self.efficiency
 
     @property
     def tensions(self) -> Real:

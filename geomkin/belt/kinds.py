@@ -34,7 +34,7 @@ from ..plane.vec import Real
 from ..recipe.aspect import AbstractAspect
 from ..recipe.composed import AbstractPlatesRecipe
 from ..recipe.recipe import Additions, assembly_summary
-from ..recipe.settings import Files
+from ..recipe.settings import Files, efficiency_entry
 from .drive import LoopDrive, LoopTensions, Pulley, loop_drive, loop_formulas
 from .parts import LoopPlates, PulleyStock, SprocketStock, loop_scene, turned_loop_scene
 from .profiles import BELTS, CHAINS, PROFILES, AbstractProfile
@@ -147,6 +147,7 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
         stock: PulleyStock | SprocketStock
         first_stock: PulleyStock | SprocketStock | None
         base: BaseStock
+        efficiency: float
         loads: LoopLoads | None
         files: Files
 
@@ -205,7 +206,10 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
     def rotating_bodies(self) -> Mapping[str, RotatingBody]:
         """All toothed wheels."""
         drive = self.design
-        return {name: RotatingBody(drive.axes[k], drive.speed(name), True) for name, k in drive.toothed.items()}
+        return {
+            name: RotatingBody(drive.axes[k], drive.speed(name), True, self.efficiency if k else 1.0)
+            for name, k in drive.toothed.items()
+        }
 
     @property
     def wheel_checks(self) -> Iterator[Check]:
@@ -297,7 +301,7 @@ class LoopLoadsAspect(AbstractAspect[AbstractLoopRecipe, LoopLoads]):
         drive, torques, setting = self.mechanism.design, iter((0.0, *self.given.torques_n_mm)), self.mechanism.setting
         taken = [0.0, *(setting.torque_on(wheel.name) for wheel in drive.wheels[1:])]
         each = tuple(float(next(torques)) + more if wheel.teeth else 0.0 for wheel, more in zip(drive.wheels, taken))
-        tensions = LoopTensions(drive, each, 0.0)
+        tensions = LoopTensions(drive, each, 0.0, self.mechanism.efficiency)
         slack = self.given.slack_tension_n
         return replace(tensions, slack=self.mechanism.slack_share * tensions.pull if slack is None else slack)
 
@@ -401,6 +405,7 @@ class BeltDriveRecipe(AbstractLoopRecipe):
         "sheet, bore and motor of the driver; if omitted, those of the others", default=None
     )
     base: BaseStock = _base()
+    efficiency: float = efficiency_entry("the driver")
     loads: LoopLoads | None = _loads()
     files: Files = _files()
 
@@ -445,6 +450,7 @@ class ChainDriveRecipe(AbstractLoopRecipe):
         "sheet, bore and motor of the driver; if omitted, those of the others", default=None
     )
     base: BaseStock = _base()
+    efficiency: float = efficiency_entry("the driver")
     loads: LoopLoads | None = _loads()
     files: Files = _files()
 

@@ -38,7 +38,7 @@ from ..plane.vec import Real, spaced_directions
 from ..recipe.aspect import AbstractAspect
 from ..recipe.composed import AbstractPlatesRecipe
 from ..recipe.recipe import assembly_summary
-from ..recipe.settings import Drive, Files
+from ..recipe.settings import Drive, Files, efficiency_entry
 from .drive import CycloidalDrive
 
 
@@ -198,6 +198,7 @@ class CycloidalDriveRecipe(AbstractPlatesRecipe):
     kind: Literal["cycloidal-drive"] = "cycloidal-drive"
     cycloidal: CycloidalDrive = entry("pins, eccentricity, discs and output pins")
     drive: Drive = entry("how the input turns", default=Drive())
+    efficiency: float = efficiency_entry("the input")
     loads: CycloidalLoads | None = entry("torque of the output, for the forces of the pins", default=None)
     stock: CycloidalStock = entry("sheet, bore of the eccentric, and motor", default=CycloidalStock())
     base: BaseStock = entry("the plate that holds the ring of pins", default=BaseStock())
@@ -263,7 +264,7 @@ class CycloidalDriveRecipe(AbstractPlatesRecipe):
         """The input, whose discs are not round, and the output."""
         return {
             "input": RotatingBody(0j, Fraction(1)),
-            "output": RotatingBody(0j, Fraction(1, self.cycloidal.ratio), is_wheel=True),
+            "output": RotatingBody(0j, Fraction(1, self.cycloidal.ratio), True, self.efficiency),
         }
 
     @property
@@ -335,6 +336,11 @@ class CycloidalLoadsAspect(AbstractAspect[CycloidalDriveRecipe, CycloidalLoads])
         return self.given.torque_n_mm + self.mechanism.setting.torque_on("output")
 
     @property
+    def input_torque(self) -> float:
+        """Torque on the input, N mm."""
+        return self.torque / (self.mechanism.cycloidal.lobes * self.mechanism.efficiency)
+
+    @property
     def disc_torque(self) -> float:
         """Largest torque that one disc carries, N mm."""
         return self.torque * (1.0 if self.mechanism.cycloidal.discs == 1 else SHARE_OF_TWO)
@@ -373,14 +379,13 @@ class CycloidalLoadsAspect(AbstractAspect[CycloidalDriveRecipe, CycloidalLoads])
     @property
     def entries(self) -> Mapping[str, object]:
         force, bearing, output, pressure = self.largest
-        torque = self.torque / self.mechanism.cycloidal.lobes
+        torque = self.input_torque
         own = {"pin_force_N": force, "eccentric_force_N": bearing, "output_pin_force_N": output}
         own |= {"input_torque_n_mm": torque} | ({"contact_pressure_N_per_mm2": pressure} if pressure > 0 else {})
         return {"loads": {name: to_digits(value) for name, value in own.items()}}
 
     def torque_at(self, turn: Real) -> Real:
-        torque = self.torque / self.mechanism.cycloidal.lobes
-        return np.full(turn.shape, np.copysign(torque, self.mechanism.setting.speed or 1.0))
+        return np.full(turn.shape, np.copysign(self.input_torque, self.mechanism.setting.speed or 1.0))
 
 
 # Set here, since the aspect names the class of its recipe.

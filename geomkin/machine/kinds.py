@@ -50,6 +50,10 @@ class MachineDrive:
         at_least=-1e6,
         at_most=1e6,
     )
+    speed_fluctuation: float | None = quantity(
+        "allowed difference of the largest and the least speed over their mean under a constant torque, for a flywheel "
+        "on the driver", default=None, above=0, at_most=1,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         if abs(self.speed_rpm) < SLOWEST_RPM:
@@ -194,25 +198,26 @@ class MachineRecipe(AbstractAssembledRecipe):
     def table(self) -> Table:
         """Positions and angles of all mechanisms over the period."""
         time = 60 * self.graph.turns / abs(self.drive.speed_rpm)
-        walking = self.torques.walking
-        return joined_table(self.turns, time, self.placed, self.torques.input, walking.columns if walking else ())
+        torques = self.torques
+        further = (*torques.columns, *(torques.walking.columns if torques.walking else ()))
+        return joined_table(self.turns, time, self.placed, torques.input, further)
 
     @cached_property
     def torques(self) -> MachineTorques:
         """Torques on the drivers of all mechanisms under their loads, and how the machine walks."""
-        recipes, walking, run = moving(self), None, (self.turns, self.drive.speed_rpm)
+        recipes, walking, run = moving(self), None, (self.poses, self.turns, self.drive.speed_rpm)
         if feet_of(self.mechanisms):
-            walking = MachineWalking(
-                self.graph, self.mechanisms, recipes, self.poses, *run, self.walker or WalkerTable()
-            )  # fmt: skip
+            walking = MachineWalking(self.graph, self.mechanisms, recipes, *run, self.walker or WalkerTable())
             recipes = {name: walking.on_feet(name, recipe) for name, recipe in recipes.items()}
-        return MachineTorques(self.graph, self.mechanisms, recipes, *run, walking)
+        fluctuation = self.drive.speed_fluctuation
+        return MachineTorques(self.graph, self.mechanisms, recipes, *run, walking, fluctuation)
 
     @cached_property
     def scene(self) -> Scene:
         """All mechanisms over the period."""
-        walking = self.torques.walking
-        return joined_scene(self.table, self.placed, self.graph.is_cyclic, walking.plots if walking else ())
+        torques = self.torques
+        plots = (*torques.plots, *(torques.walking.plots if torques.walking else ()))
+        return joined_scene(self.table, self.placed, self.graph.is_cyclic, plots)
 
     @cached_property
     def handles(self) -> tuple[SceneHandle, ...]:

@@ -10,11 +10,14 @@ import numpy as np
 
 from ..core.fields import to_digits, to_digits_or_none
 from ..core.records import record
+from ..linkage.dynamics.wrenches import NEWTON
 from ..making.motors import MOTORS, motor_check, motor_summary, nearest_motor, smallest_motor
 from ..model.check import Check
 from ..model.motor import RPM, Motor, MotorDuty
-from ..plane.vec import Real, without_rounding
-from ..recipe.aspect import Setting
+from ..model.scene import Plot
+from ..model.table import Column, vector_columns
+from ..plane.vec import Complex, Pose, Real, cross, without_rounding
+from ..recipe.aspect import Setting, ShaftPlacement
 from ..recipe.recipe import AbstractRecipe
 from .mechanism import Mechanism
 from .placed import TORQUE
@@ -30,16 +33,19 @@ BETWEEN = 3
 class MachineTorques:
     """The torques of a machine.
 
-    graph: its shafts. mechanisms, recipes: by name; the recipes are in their settings, without the torques that others
-    take from them. turns: rotations of the driver at the frames. speed_rpm: of the driver. walking: of a walker.
+    graph: its shafts. mechanisms, recipes, poses: by name; the recipes are in their settings, without the torques that
+    others take from them. turns: rotations of the driver at the frames. speed_rpm: of the driver. walking: of a walker.
+    speed_fluctuation: allowed, for a flywheel.
     """
 
     graph: ShaftGraph
     mechanisms: Mapping[str, Mechanism]
     recipes: Mapping[str, AbstractRecipe]
+    poses: Mapping[str, Pose]
     turns: Real
     speed_rpm: float
     walking: MachineWalking | None = None
+    speed_fluctuation: float | None = None
 
     @cached_property
     def input(self) -> Real | None:
@@ -50,6 +56,45 @@ class MachineTorques:
         """Torque on the machine's driver at rotations of it, N mm; None without loads."""
         return self.by_driver_at(turns).get(self.graph.driver)
 
+    def _turn(self, name: str, turns: Real) -> Real:
+        phase = np.radians(self.mechanisms[name].phase_deg)
+        return np.asarray(2 * np.pi * float(self.graph.speeds[name]) * turns + phase)
+
+    @cached_property
+    def shaking(self) -> tuple[Complex, Real] | None:
+        """Force, N, and moment about the driver's axis, N mm, by which all masses shake the frame, at the frames.
+
+        None without linkages under loads, or with loads whose shaking is not computed, such as those of cams.
+        """
+        force, moment, is_known, origin = np.zeros(len(self.turns), complex), np.zeros(len(self.turns)), False, None
+        for name in self.graph.order:
+            recipe, turn = self.recipes[name], self._turn(name, self.turns)
+            axis = complex(self.poses[name].place(next(iter(self.graph.bodies[name].values())).axis))
+            origin = axis if origin is None else origin
+            if (own := recipe.shaking_at(turn)) is not None:
+                placement = ShaftPlacement(self.poses[name], self.mechanisms[name].mirrored)
+                pull = placement.vector(own[0])
+                force = force + pull
+                moment = moment + (-own[1] if placement.mirrored else own[1]) + cross(axis - origin, pull)
+                is_known = True
+            elif not recipe.carries_torques and recipe.torque_at(turn[:1]) is not None:
+                return None
+        return (force, moment) if is_known else None
+
+    @property
+    def columns(self) -> Iterator[Column]:
+        """Shaking force and moment of all mechanisms."""
+        if self.shaking:
+            yield from vector_columns("shaking_force", "N", "shaking force of all masses on the frame", self.shaking[0])
+            meaning = "shaking moment of all masses about the driver's axis"
+            yield Column("shaking_moment", "N mm", meaning, self.shaking[1])
+
+    @property
+    def plots(self) -> Iterator[Plot]:
+        """A plot of the shaking force."""
+        if self.shaking:
+            yield Plot("shaking force", ("shaking_force",))
+
     def by_driver_at(self, turns: Real) -> Mapping[str, Real]:
         """Torque on the driver of each mechanism with all that it turns, N mm; without those that need none.
 
@@ -58,8 +103,7 @@ class MachineTorques:
         """
         graph, torques = self.graph, dict[str, Real]()
         for name in reversed(graph.order):
-            turn = 2 * np.pi * float(graph.speeds[name]) * turns + np.radians(self.mechanisms[name].phase_deg)
-            own = self.recipes[name].torque_at(turn)
+            own = self.recipes[name].torque_at(self._turn(name, turns))
             parts = [] if own is None else [own]
             for other, (turned_by, body) in graph.sources.items():
                 if turned_by == name and other in torques:
@@ -143,8 +187,36 @@ class MachineTorques:
         )
 
     @property
+    def _flywheel(self) -> Mapping[str, object]:
+        """The flywheel, and the disc of the driver's sheet that has its inertia, if its material is known."""
+        if not np.isfinite(inertia := self.flywheel_inertia):
+            return {}
+        driver, body = self.recipes[self.graph.driver], next(iter(self.graph.bodies[self.graph.driver]))
+        entries: dict[str, object] = {"inertia_kg_mm2": to_digits(inertia)}
+        sheets = ((part.material, part.thickness) for part in driver.parts if part.body == body)
+        for density, thickness in ((1e-9 * material.density, thickness) for material, thickness in sheets if material):
+            radius = (2 * inertia / (np.pi * density * thickness)) ** 0.25
+            mass = np.pi * density * thickness * radius**2
+            return {**entries, "disc_diameter_mm": to_digits(2 * radius), "disc_mass_kg": to_digits(mass)}
+        return entries
+
+    @property
+    def flywheel_inertia(self) -> float:
+        """Of a flywheel on the driver that keeps `speed_fluctuation` with the gears, kg mm2; nan if none is asked.
+
+        By the largest difference of the work of the driver from that of its mean torque; inertia of cranks and of what
+        moves to and fro is in the torque.
+        """
+        if self.speed_fluctuation is None or (duty := self.duty) is None:
+            return np.nan
+        steps = np.diff(duty.angle) * (duty.torque[1:] + duty.torque[:-1]) / 2
+        work = np.append(0.0, np.cumsum(steps))
+        excess = np.ptp(work - work[-1] * duty.angle / duty.angle[-1])
+        return float(max(0.0, excess / (NEWTON * self.speed_fluctuation * duty.speed[0] ** 2) - self.inertia_of_gears))
+
+    @property
     def summary(self) -> Mapping[str, object]:
-        """Torque, power and work of the driver, torques of the mechanisms, motor, and inertia of the gears."""
+        """Torque, power and work of the driver, torques of the mechanisms, motor, flywheel, inertia of the gears."""
         if (duty := self.duty) is None or not np.isfinite(duty.torque).any():
             return {}
         peak = int(np.nanargmax(np.abs(duty.torque)))
@@ -166,6 +238,7 @@ class MachineTorques:
                 },
                 "driver_torques_N_mm": largest,
                 **{key: value for key, value in rounded.items() if value is not None},
+                **({"flywheel": wheel} if (wheel := self._flywheel) else {}),
                 **({"motor": motor_summary(self.motor[0], duty)} if self.motor else {}),
             }
         }

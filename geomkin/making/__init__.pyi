@@ -1,4 +1,5 @@
 # The public names of this package. Each is imported when it is first used.
+from .actuators import ACTUATORS as ACTUATORS
 from .assembly import BaseStock as BaseStock
 from .assembly import RackBaseStock as RackBaseStock
 from .attachments import Attachment as Attachment

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
@@ -23,11 +23,11 @@ from ..core.fields import (
 from ..core.records import record
 from ..core.units import bare_mm, mm
 from ..model.check import Check, Suggestion
-from ..model.motor import RPM, LinearActuator, Motor, MotorDuty
+from ..model.motor import RPM, Motor, MotorDuty
 from ..model.part import HoleFit, Part
 from ..model.scene import SceneBody
 from ..plane.primitives import Circle, rounded_hull
-from ..plane.vec import Complex, Real
+from ..plane.vec import Complex
 from .fasteners import LENGTHS, SIZES, ThreadDiameter
 from .materials import NamedIn
 
@@ -37,8 +37,9 @@ LEAST_MOTOR_MARGIN = 1.5
 LEAST_ENGAGEMENT = 1.0
 # Distance of a gear from the plate of its motor, mm: above the heads of the screws.
 HEADS = 2.0
-# Shares of the greatest torque: direct-current motors and servos heat up if they supply more than a quarter of their
-# torque at standstill for long (makers' advice); steppers supply about half of the holding torque up to 300 rpm.
+# Shares of the greatest torque: direct-current motors heat up if they supply more than a quarter of their torque at
+# standstill for long (Pololu's advice for its gear motors; for servos chosen here). That steppers supply half of their
+# holding torque up to 300 rpm is chosen here: their data sheets show it for some drivers and voltages only.
 LASTING, STEPPING, STEPPER_RPM = 0.25, 0.5, 300.0
 
 
@@ -60,30 +61,31 @@ def _servo(name: str, stall: float, seconds_per_60_deg: float, mass: float, sour
     return Motor(name, stall, 10 / seconds_per_60_deg, LASTING * stall, mass, range_deg=180, source=source)
 
 
-# Voltage, and currents without load and at standstill, by the makers' data sheets.
+# Voltage, and currents without load and at standstill, by the data sheets. The lasting torque of gears of 37 mm,
+# 10 kgf cm, is that of their sheet for continuous loads.
 N20, GEAR_37 = (6.0, 0.02, 0.36), (12.0, 0.2, 5.5)
 # Typical values, N mm, rpm and g, for a first choice. Torques at standstill are extrapolated by the makers; sellers of
 # servos claim up to 1.6 times as much. Masses are rounded.
 MOTORS: dict[str, Motor] = {
-    "sg90": _servo("SG90 servo, 4.8 V", 118, 0.12, 9, "sellers' pages, the lowest torque"),
-    "n20-100": _brushed("N20 gear motor 100:1, 6 V", 73, 130, 10, "Pololu micro metal gearmotor, LP 6 V", N20),
-    "n20-298": _brushed("N20 gear motor 298:1, 6 V", 196, 45, 10, "Pololu micro metal gearmotor, LP 6 V", N20),
-    "tt": _brushed("TT gear motor 1:48, 6 V", 39, 200, 30, "sellers' pages", None),
+    "sg90": _servo("SG90 servo, 4.8 V", 118, 0.12, 9, "sellers' pages: 1.2 to 1.8 kgf cm, the lowest"),
+    "n20-100": _brushed("N20 gear motor 100:1, 6 V", 73, 130, 10, "Pololu micro metal data sheet, LP 6 V", N20),
+    "n20-298": _brushed("N20 gear motor 298:1, 6 V", 196, 45, 10, "Pololu micro metal data sheet, LP 6 V", N20),
+    "tt": _brushed("TT gear motor 1:48, 6 V", 39, 200, 30, "sellers' pages: 0.4 kgf cm, 90 to 200 rpm", None),
     "28byj-48": Motor(
         "28BYJ-48 geared stepper, 5 V", 34.3, 15, 34.3, 35, constant_torque=True,
         source="makers' sheets: pull-in torque at 120 steps per second",
     ),
-    "mg996r": _servo("MG996R servo, 4.8 V", 920, 0.17, 55, "sellers' pages, at 4.8 V"),
-    "25d-4": _brushed("25 mm gear motor 4.4:1, 6 V", 118, 2200, 90, "Pololu 25D, HP 6 V", (6, 0.5, 6)),
-    "25d-75": _brushed("25 mm gear motor 75:1, 12 V", 696, 75, 100, "Pololu 25D, LP 12 V", (12, 0.06, 0.9)),
-    "nema17-short": _stepper("NEMA 17 stepper, 20 mm long", 160, 130, "StepperOnline 17HS08"),
-    "nema14": _stepper("NEMA 14 stepper, 34 mm long", 180, 180, "StepperOnline 14HS13-0804S"),
-    "37d-19": _brushed("37 mm gear motor 19:1, 12 V", 834, 530, 185, "Pololu 37D, 12 V", GEAR_37, 981),
-    "37d-30": _brushed("37 mm gear motor 30:1, 12 V", 1373, 330, 190, "Pololu 37D, 12 V", GEAR_37, 981),
-    "37d-50": _brushed("37 mm gear motor 50:1, 12 V", 2059, 200, 195, "Pololu 37D, 12 V", GEAR_37, 981),
-    "nema17": _stepper("NEMA 17 stepper, 48 mm long", 590, 400, "StepperOnline 17HS19-2004S1"),
-    "nema17-long": _stepper("NEMA 17 stepper, 60 mm long", 650, 500, "StepperOnline 17HS24"),
-    "nema23": _stepper("NEMA 23 stepper, 56 mm long", 1240, 700, "StepperOnline 23HS22-2804S"),
+    "mg996r": _servo("MG996R servo, 4.8 V", 920, 0.17, 55, "Tower Pro data sheet: 9.4 kgf cm at 4.8 V"),
+    "25d-4": _brushed("25 mm gear motor 4.4:1, 6 V", 118, 2200, 90, "Pololu 25D data sheet, HP 6 V", (6, 0.5, 6)),
+    "25d-75": _brushed("25 mm gear motor 75:1, 12 V", 696, 75, 100, "Pololu 25D data sheet, LP 12 V", (12, 0.06, 0.9)),
+    "nema17-short": _stepper("NEMA 17 stepper, 20 mm long", 160, 130, "StepperOnline 17HS08-1004S data sheet"),
+    "nema14": _stepper("NEMA 14 stepper, 34 mm long", 180, 180, "StepperOnline 14HS13-0804S data sheet"),
+    "37d-19": _brushed("37 mm gear motor 19:1, 12 V", 834, 530, 185, "Pololu 37D data sheet, 12 V", GEAR_37, 981),
+    "37d-30": _brushed("37 mm gear motor 30:1, 12 V", 1373, 330, 190, "Pololu 37D data sheet, 12 V", GEAR_37, 981),
+    "37d-50": _brushed("37 mm gear motor 50:1, 12 V", 2059, 200, 195, "Pololu 37D data sheet, 12 V", GEAR_37, 981),
+    "nema17": _stepper("NEMA 17 stepper, 48 mm long", 590, 400, "StepperOnline 17HS19-2004S1 data sheet"),
+    "nema17-long": _stepper("NEMA 17 stepper, 60 mm long", 650, 500, "StepperOnline 17HS24 data sheet"),
+    "nema23": _stepper("NEMA 23 stepper, 56 mm long", 1240, 700, "StepperOnline 23HS22-2804S data sheet"),
 }  # fmt: skip
 _NAMED = NamedIn(MOTORS, "motor")
 # Field type of a motor in the tables of a recipe.
@@ -217,25 +219,6 @@ def _excess(motor: Motor, duty: MotorDuty) -> str:
     if motor.range_deg is not None and angle > motor.range_deg:
         return f"the driver turns by {angle:.4g} deg, and the servo by {motor.range_deg:g} deg: "
     return ""
-
-
-def actuator_checks(actuator: LinearActuator, force: Real, speed: Real, stroke: float) -> Iterator[Check]:
-    """Checks that an actuator supplies the force at each speed, by the margin of motors, and has the stroke.
-
-    force, speed: of the slide, N and mm/s, (frames,). stroke: of the slide, mm.
-    """
-    known = np.isfinite(force)
-    supplied, required = actuator.force_at(speed)[known], np.abs(force[known])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        margin = float(np.min(np.where(required > 0, supplied / required, np.inf), initial=np.inf))
-    needed = f"{np.max(required, initial=0.0):.4g} N at up to {mm(float(np.abs(speed).max()), unit='mm/s'):.4g}"
-    advice = f"{needed} are required: move it slower, or give a stronger actuator"
-    name = f"force of the {actuator.name} to that required"
-    value = margin if known.any() else np.nan
-    yield Check("actuator_force", name, value, "at least", LEAST_MOTOR_MARGIN, "", advice, "driver_force")
-    advice = f"the slide moves by {mm(stroke):.6g}: give a shorter stroke, or a longer actuator"
-    name = f"stroke of the {actuator.name} to that of the slide"
-    yield Check("actuator_stroke", name, to_digits(actuator.stroke / stroke, 12), "at least", 1.0, "", advice)
 
 
 def motor_summary(motor: Motor, duty: MotorDuty) -> dict[str, object]:

@@ -275,6 +275,8 @@ class LinearActuator:
         Speed without load, and with the largest force, mm/s; it falls along a straight line between them.
     stroke : float
         Largest displacement of its rod, mm.
+    source : str, optional
+        Where the values are from.
 
     Raises
     ------
@@ -293,6 +295,7 @@ class LinearActuator:
     no_load_speed: float = quantity("speed without load", "mm/s", above=0, at_most=1e6, example=20)
     full_load_speed: float = quantity("speed with the largest force", "mm/s", at_least=0, at_most=1e6, example=10)
     stroke: float = quantity("largest displacement of its rod", "mm", above=0, at_most=FARTHEST, example=100)
+    source: VisibleText = entry("where the values are from", default="")
 
     def __post_init__(self) -> None:
         if self.full_load_speed >= self.no_load_speed:

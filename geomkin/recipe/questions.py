@@ -57,6 +57,13 @@ class AbstractPlaced:
         """
         return None
 
+    def shaking_at(self, turn: Real) -> tuple[Complex, Real] | None:
+        """Force, N, and moment about the driver's axis, N mm, by which its masses shake its frame; None if unknown.
+
+        At rotations as in `scene_at`, in its own frame.
+        """
+        return None
+
     @property
     def standing_point(self) -> str:
         """The point of its recipe on which it stands by the forces that carry its weight; empty if it is no walker."""

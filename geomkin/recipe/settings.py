@@ -170,6 +170,14 @@ class OptimiseTable:
 SLOWEST_RPM, SLOWEST = 0.001, 1e-6
 
 
+def efficiency_entry(of: str) -> Any:
+    """Field for a stated efficiency of a drive."""
+    words = (
+        f"share of the power of {of} that reaches the driven ones, from its maker; power that flows back loses as much"
+    )
+    return quantity(words, default=1.0, at_least=0.01, at_most=1)
+
+
 def _speed_rpm() -> Any:
     return quantity("speed of the driver; negative if clockwise", "rpm", default=60.0, at_least=-1e6, at_most=1e6)
 

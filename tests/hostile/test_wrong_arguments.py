@@ -327,7 +327,7 @@ GOOD = {
 }  # fmt: skip
 # What only geomkin itself makes, bases that are not called, and what reads or writes files, tried elsewhere.
 MADE = {
-    "Grashof", "OutputDwell", "StraightPart", "PathCount", "AreaMoments", "CamForces", "DriveTable", "Balance", "ForceAnalysis", "ForwardMotion", "SlideForces", "MATERIALS", "MOTOR_FACES", "MOTORS", "PROFILES", "masses",
+    "Grashof", "OutputDwell", "StraightPart", "PathCount", "AreaMoments", "CamForces", "DriveTable", "Balance", "ForceAnalysis", "ForwardMotion", "SlideForces", "MATERIALS", "ACTUATORS", "MOTOR_FACES", "MOTORS", "PROFILES", "masses",
     "RootSection", "SampledDeviations", "ToleranceAnalysis", "ToothForm", "ToothStrength", "strength_checks",
     "index", "load", "make", "verify", "write", "Stack", "PathFound",
     # Tables, which are looked at as tables.

@@ -249,3 +249,106 @@ def test_a_larger_torque_of_the_recipe_stays():
     heavy = {**given, "loads": {"torque_n_mm": 1e4}}
     machine = gk.load({"kind": "machine", "mechanisms": {"drive": {"recipe": heavy}, "pump": pump}})
     assert machine.recipes["drive"].notes["loads"]["torque_n_mm"]["first"] == 1e4
+
+
+HEAVY = {**PUMP, "drive": {"step_deg": 5}, "loads": {"masses": {
+    "crank": {"mass_kg": 0.2, "centre": [12, 3], "inertia_kg_mm2": 40}, "slider": {"mass_kg": 0.9},
+    "coupler": {"mass_kg": 0.3, "centre": [30, -4], "inertia_kg_mm2": 90}}}}  # fmt: skip
+
+
+@pytest.mark.parametrize("speed", [90, -90])
+def test_shaking_of_a_machine_is_the_change_of_the_momentum_of_its_bodies(speed):
+    """By central differences of the positions in the drawing of the machine, of copies and mirrored linkages too."""
+    four = {"kind": "four-bar", "linkage": {"ground": 120, "crank": 25, "coupler": 100, "rocker": 70},
+            "copies": [{"phase_deg": 70}, {"phase_deg": 20, "mirrored": True}], "drive": {"step_deg": 5},
+            "loads": {"masses": {"rocker": {"mass_kg": 0.5, "centre": [35, 8], "inertia_kg_mm2": 300}}}}  # fmt: skip
+    mechanisms = {"pair": {"recipe": PAIR}, "pump": {"recipe": HEAVY, "turned_by": "pair.first", "mirrored": True,
+                                                     "phase_deg": 30, "angle_deg": 50},
+                  "bars": {"recipe": four, "turned_by": "pair.second", "angle_deg": -20}}  # fmt: skip
+    machine = gk.load({"kind": "machine", "mechanisms": mechanisms, "drive": {"speed_rpm": speed}})
+    step = 60 / abs(speed) * (machine.turns[1] - machine.turns[0]) * np.sign(speed)
+    bodies = {body.name: body for body in machine.scene.bodies}
+    momentum, spin = 0, 0
+    for name, body in bodies.items():
+        mechanism, _, own = name.partition("/")
+        own, _, copy = own.partition(", copy ")
+        if mechanism == "pair" or own not in (masses := machine.mechanisms[mechanism].recipe.loads.given_masses):
+            continue
+        mass, over = masses[own], machine.mechanisms[mechanism].mirrored != (copy == "3")
+        place = body.origin + body.direction * (-mass.centre.conjugate() if over else mass.centre)
+        velocity = np.gradient(place, abs(step), edge_order=2)
+        omega = np.gradient(np.unwrap(np.angle(body.direction)), abs(step), edge_order=2)
+        momentum = momentum + 1e-3 * mass.mass * velocity
+        spin = spin + 1e-3 * (mass.mass * (place.conj() * velocity).imag + mass.inertia * omega)
+    force, moment = (-np.gradient(values, abs(step), edge_order=2) for values in (momentum, spin))
+    ours, inner = machine.torques.shaking, slice(3, -3)
+    assert ours[0][inner] == pytest.approx(force[inner], abs=0.02 * np.abs(force).max())
+    assert ours[1][inner] == pytest.approx(moment[inner], abs=0.02 * np.abs(moment).max())
+    assert machine.table["shaking_force"] == pytest.approx(np.abs(ours[0]))
+
+
+def test_phase_of_a_second_pump_balances_shaking_or_torque():
+    """Of two equal pumps on one shaft; opposite ones balance the first harmonic, those a quarter apart the torque."""
+    table = {"kind": "machine", "drive": {"speed_rpm": 300},
+             "mechanisms": {"one": {"recipe": HEAVY}, "two": {"recipe": HEAVY, "turned_by": "one.crank"}}}  # fmt: skip
+
+    def measured(phase):
+        mechanisms = {**table["mechanisms"], "two": {**table["mechanisms"]["two"], "phase_deg": phase}}
+        made = gk.load({**table, "mechanisms": mechanisms}).table
+        return made["shaking_force"].max(), np.ptp(made["input_torque"])
+
+    shaking, ripple = np.array([measured(phase) for phase in (0.0, 90.0, 180.0)]).T
+    assert shaking[2] < 0.4 * shaking[0] and ripple[1] < 0.5 * ripple[0] and ripple[1] < ripple[2]
+
+
+@pytest.mark.campaign
+def test_phase_of_a_second_pump_is_optimised_for_shaking():
+    mechanisms = {"one": {"recipe": HEAVY}, "two": {"recipe": HEAVY, "turned_by": "one.crank"}}
+    table = {"kind": "machine", "drive": {"speed_rpm": 300}, "mechanisms": mechanisms}
+    best = gk.optimise(gk.load(table), {"mechanisms.two.phase_deg": (100, 250)}, "max(shaking_force)", starts=1)
+    (phase,) = best.values.values()
+    assert phase == pytest.approx(180, abs=2)
+
+
+def test_shaking_is_unknown_with_the_loads_of_a_cam():
+    cam = tomllib.loads(template_of("disk-cam", ["loads"]))
+    mechanisms = {"one": {"recipe": HEAVY}, "cam": {"recipe": cam, "turned_by": "one.crank"}}
+    machine = gk.load({"kind": "machine", "mechanisms": mechanisms})
+    assert machine.torques.shaking is None and "shaking_force" not in machine.table.ids
+
+
+def test_flywheel_of_a_machine_keeps_the_speed_under_a_constant_torque():
+    """The energy of the wheels rises and falls by the work of the mean torque less that of the loads."""
+    pair = PAIR | {"first_stock": {"material": "steel-S235"}, "second_stock": {"material": "steel-S235"}}
+    drive = {"speed_rpm": 200, "speed_fluctuation": 0.05}
+    pump = {"recipe": PUMP, "turned_by": "pair.second"}
+    machine = gk.load({"kind": "machine", "mechanisms": {"pair": {"recipe": pair}, "pump": pump}, "drive": drive})
+    entry = machine.notes["loads"]["flywheel"]
+    turns = np.linspace(0, 2, 20_001)
+    torque = machine.torques.input_at(turns)
+    spare = np.concatenate(
+        [[0], np.cumsum((torque.mean() - (torque[1:] + torque[:-1]) / 2) * np.diff(2 * np.pi * turns))]
+    )
+    inertia = entry["inertia_kg_mm2"] + machine.torques.inertia_of_gears
+    mean = 200 * np.pi / 30
+    speed = np.sqrt(mean**2 + 2 * (spare - (spare.max() + spare.min()) / 2) / (1e-3 * inertia))
+    assert np.ptp(speed) / mean == pytest.approx(0.05, rel=1e-3)
+    disc = entry["disc_mass_kg"] * (entry["disc_diameter_mm"] / 2) ** 2 / 2
+    assert disc == pytest.approx(entry["inertia_kg_mm2"], rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["belt", "cycloidal"])
+def test_stated_efficiency_of_a_drive_raises_its_own_torque_and_that_of_a_machine(name):
+    given, _ = TURNING[name]
+    table = {**tomllib.loads(template_of(given["kind"])), **given}
+    ideal, real = (gk.load({**table, "efficiency": share}).torque_at(np.zeros(1)) for share in (1.0, 0.8))
+    assert real == pytest.approx(ideal / 0.8)
+
+    def input_torque(share):
+        body = list(from_table(table).rotating_bodies)[1]
+        drive = {key: value for key, value in table.items() if key != "loads"} | {"efficiency": share}
+        pump = {"recipe": PUMP, "turned_by": f"drive.{body}"}
+        return gk.load({"kind": "machine", "mechanisms": {"drive": {"recipe": drive}, "pump": pump}}).torques.input
+
+    ideal, real = input_torque(1.0), input_torque(0.8)
+    assert real == pytest.approx(np.where(ideal > 0, ideal / 0.8, 0.8 * ideal), rel=1e-12)

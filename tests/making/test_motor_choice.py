@@ -150,6 +150,51 @@ def test_an_actuator_that_is_too_short_or_too_slow_fails_its_check():
     assert failed(lifted(no_load_speed=20)) == {"actuator_force"}
 
 
+def pressed(force, **loads):
+    return from_table(
+        {**LIFT, "loads": {**PRESSED, "forces": [{**PRESSED["forces"][0], "force_n": [0, -force]}], **loads}}
+    )
+
+
+@pytest.mark.parametrize("change", [{"stroke": 74}, {"no_load_speed": 20}])
+def test_suggested_actuator_passes_both_checks(change):
+    own = {"name": "own", "force_n": 200, "no_load_speed": 40, "full_load_speed": 10, "stroke": 80, **change}
+    checks = pressed(2, actuator=own).checks
+    failing = next(check for check in checks if check.id.startswith("actuator") and not check.passed)
+    ((key, name),) = failing.suggestions[0].values.items()
+    checks = [check for check in pressed(2, actuator=name).checks if check.id.startswith("actuator")]
+    assert key == "loads.actuator" and len(checks) == 2 and all(check.passed for check in checks)
+
+
+@pytest.mark.parametrize("force", [2, 5, 40])
+def test_smallest_actuator_that_lifts_the_table_is_the_first_of_those_that_do(force):
+    """By force and speed of each data sheet on its straight line, with half as much again."""
+    table, speed = lifted().table, 20
+    needed = force * np.abs(np.gradient(table["load_y"], table["lift_displacement"], edge_order=2)).max()
+    # Largest force, speed without load, and slope by the point of the largest power.
+    sheets = {35: (50, 32, 16 / 50), 63: (100, 20, 10 / 75), 150: (200, 8, 4 / 175)}
+    able = [ratio for ratio, (most, free, slope) in sheets.items() if min(most, (free - speed) / slope) >= 1.5 * needed]
+    recipe = pressed(force)
+    suitable = recipe.aspect("loads").actuator_duty.suitable
+    assert suitable == (f"l16-100-{able[0]}" if able else None) and recipe.remarks
+
+
+def test_the_book_has_the_tables_of_motors_and_actuators():
+    text = (Path(__file__).parents[2] / "docs" / "forces.md").read_text("utf-8")
+    rows = [
+        [cell.strip(" `") for cell in line.strip("|").split("|")] for line in text.splitlines() if line[:3] == "| `"
+    ]
+    cells = {row[0]: row[1:] for row in rows}
+    for name, motor in gk.making.MOTORS.items():
+        figures = motor.torque_n_mm, motor.speed_rpm, motor.lasting_torque_n_mm, motor.mass_g
+        assert [float(cell) for cell in cells[name][:4]] == pytest.approx(figures, rel=1e-3)
+        assert cells[name][4] == motor.source != ""
+    for name, actuator in gk.making.ACTUATORS.items():
+        (row,) = (row for row in rows if name in row[0])
+        figures = actuator.force_n, actuator.no_load_speed, actuator.full_load_speed
+        assert [float(cell) for cell in row[1:]] == pytest.approx(figures) and actuator.source
+
+
 def test_an_actuator_of_a_crank_is_refused():
     actuator = {"name": "own", "force_n": 1, "no_load_speed": 2, "full_load_speed": 1, "stroke": 3}
     linkage = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}

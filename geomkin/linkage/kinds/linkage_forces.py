@@ -10,7 +10,7 @@ import numpy as np
 from ...core.records import record
 from ...model.material import Mass
 from ...model.motor import Motor
-from ...plane.vec import Real
+from ...plane.vec import Complex, Real
 from ..drive_limits import largest_between
 from ..dynamics.inverse import ForceAnalysis
 from ..dynamics.loads import Force
@@ -114,6 +114,18 @@ class AbstractLinkageForces(AbstractLinkageAspect[LoadsTable]):
     def torque_at(self, turn: Real) -> Real:
         motion, rows = self.mechanism.moved_at(turn)
         return self.effort_in(motion, self.feet)[rows]
+
+    def shaking_at(self, turn: Real) -> tuple[Complex, Real]:
+        """Shaking force, N, and moment about the shaft, N mm, of the linkage and its copies."""
+        motion, rows = self.mechanism.moved_at(turn)
+        (first, _), *copies = self._legs(motion, self.feet)
+        force, moment = first.shaking_force, first.shaking_moment
+        for analysis, copy in copies:
+            assert copy is not None
+            force = force + copy.placement.vector(analysis.shaking_force[copy.rows])
+            own = analysis.shaking_moment[copy.rows]
+            moment = moment - own if copy.mirrored else moment + own
+        return force[rows], moment[rows]
 
     @cached_property
     def dense(self) -> tuple[Motion, Real]:

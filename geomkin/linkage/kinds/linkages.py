@@ -21,7 +21,7 @@ from ...model.motor import RotatingBody
 from ...model.part import Part
 from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
-from ...plane.vec import Real
+from ...plane.vec import Complex, Real
 from ...recipe.aspect import Standing
 from ...recipe.composed import AbstractComposedRecipe, AspectKinds
 from ...recipe.recipe import Additions, mass_summary
@@ -243,6 +243,10 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         for aspect in self.aspects:
             scene = aspect.with_bodies(scene, motion)
         return scene.at_frames(rows)
+
+    def shaking_at(self, turn: Real) -> tuple[Complex, Real] | None:
+        loads: LoadsAspect | None = self.aspect(LoadsAspect.key)
+        return loads.shaking_at(turn) if loads else None
 
     @property
     def standing_point(self) -> str:

@@ -12,9 +12,8 @@ from ...core.errors import DesignError
 from ...core.fields import to_digits, to_digits_or_none
 from ...core.records import record
 from ...core.units import mm
+from ...making.actuators import ActuatorDuty
 from ...making.motors import (
-    LEAST_MOTOR_MARGIN,
-    actuator_checks,
     motor_check,
     motor_summary,
     nearest_motor,
@@ -24,7 +23,7 @@ from ...model.check import Check
 from ...model.motor import Motor, MotorDuty, effective_value
 from ...model.scene import Hodograph, Plot, Scene, SceneHandle, SceneMark
 from ...model.table import Column, Table, vector_columns
-from ...plane.vec import Real, without_rounding
+from ...plane.vec import without_rounding
 from ...recipe.recipe import part_masses
 from ..checks import in_driver_unit
 from ..dynamics.inverse import WATT
@@ -165,24 +164,15 @@ class LoadsAspect(AbstractLinkageForces):
     @property
     def remarks(self) -> Iterator[str]:
         yield from (motor.remark for motor in self.compared)
-        force, speed = self.peaks[EFFORT][0], self._slide_speed
-        if self.linkage.driven_slider is not None and not self.given.actuator and np.isfinite(force):
-            yield (
-                f"The slide needs an actuator of {LEAST_MOTOR_MARGIN * force:.4g} N at "
-                f"{mm(float(speed.max()), unit='mm/s'):.4g}, {LEAST_MOTOR_MARGIN:g} times the largest force, with a "
-                f"stroke of {mm(self._stroke):.6g}."
-            )
+        if self.linkage.driven_slider is not None and not self.given.actuator and np.isfinite(self.peaks[EFFORT][0]):
+            yield self.actuator_duty.remark
 
     @property
-    def _slide_speed(self) -> Real:
-        """Speed of the driven slide at the dense frames, mm/s."""
-        motion, _ = self.dense
-        return np.full(motion.drive.shape, np.abs(np.asarray(motion.timing.speed, dtype=float)))
-
-    @property
-    def _stroke(self) -> float:
-        """Displacement of the driven slide, mm."""
-        return float(np.ptp(self.mechanism.input_range.frames))
+    def actuator_duty(self) -> ActuatorDuty:
+        """Force, speed and stroke of the driven slide."""
+        motion, force = self.dense
+        speed = np.full(motion.drive.shape, np.abs(np.asarray(motion.timing.speed, dtype=float)))
+        return ActuatorDuty(force, speed, float(np.ptp(self.mechanism.input_range.frames)))
 
     @cached_property
     def run(self) -> LinkageRun | None:
@@ -270,7 +260,7 @@ class LoadsAspect(AbstractLinkageForces):
         stock = self.mechanism.stock
         yield from self._motor_checks
         if self.given.actuator:
-            yield from actuator_checks(self.given.actuator, self.dense[1], self._slide_speed, self._stroke)
+            yield from self.actuator_duty.checks(self.given.actuator)
         for k, spring in enumerate(self.given.gas_springs, 1):
             if spring.stroke is not None:
                 length = spring.length(self.dense[0])

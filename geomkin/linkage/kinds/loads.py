@@ -13,9 +13,9 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, Coordinate, PlaceOnBody, entry, quantity
 from ...core.records import record
+from ...making.actuators import ActuatorKey, actuator_entry
 from ...making.motors import MotorKey, motor_entry
 from ...model.material import Mass
-from ...model.motor import LinearActuator
 from ...model.scene import SceneHandle, point_handle
 from ...recipe.aspect import ALONE, Setting
 from ...recipe.settings import BodyMass, Gravity, gravity_entry
@@ -216,9 +216,7 @@ class LoadsTable:
         "coefficient of dry friction between the feet of a walker and the ground", default=0.0, at_least=0, at_most=10
     )
     motor: MotorKey | None = motor_entry("the driver")
-    actuator: LinearActuator | None = entry(
-        "linear actuator of a driven slide, with name, force_n, no_load_speed, full_load_speed and stroke", default=None
-    )
+    actuator: ActuatorKey | None = actuator_entry()
     motors: tuple[MotorKey, ...] = entry(
         "direct-current motors to compare at the speed of the drive: margin, largest speed, and time on a battery",
         default=(),
