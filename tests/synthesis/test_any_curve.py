@@ -163,6 +163,9 @@ def test_a_search_keeps_its_limits(small):
     limits = {"least_transmission_angle_deg": 25, "largest_ratio": 8}
     found = gk.path_generator(EIGHT[::4], closed=True, bars=5, geared=True, **limits)
     assert 5 in {one.bars for one in found.ranked} <= {4, 5}
+    for one in found.ranked:
+        nearer = [other for other in found.ranked if other.bars <= one.bars and other is not one]
+        assert (one in found.front) == all(other.largest_distance > one.largest_distance for other in nearer)
     size = np.hypot(80, 30)
     for one in found.ranked:
         motion = gk.move(one.linkage, TURN, one.branch)

@@ -473,6 +473,13 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
             "usable": None if usable is None else {"choose": rank, **self.shortened(usable).summary()},
             "cognates": cognates,
         }
+        if self.wanted.bars > 4:
+            # The nearest with each number of bars, by rank.
+            entries["front"] = [
+                {"choose": 1 + next(k for k, one in enumerate(best.ranked) if one is found), "bars": found.bars}
+                | {"largest_distance_mm": ten_digits(found.largest_distance)}
+                for found in best.front
+            ]
         if best.path_count is not None:
             entries["paths"] = asdict(best.path_count)
         return entries | dict(super().notes)

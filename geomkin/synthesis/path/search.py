@@ -161,6 +161,18 @@ class PathFound(Found):
             return self
         return self.again() if self.again else None
 
+    @property
+    def front(self) -> tuple[PathFound, ...]:
+        """Those of `ranked` without defects to which none with as few bars is nearer; the fewest bars first."""
+        best: dict[int, PathFound] = {}
+        for found in self.ranked:
+            nearest = best.get(found.bars)
+            if not found.defects and (nearest is None or found.largest_distance < nearest.largest_distance):
+                best[found.bars] = found
+        in_order = [best[bars] for bars in sorted(best)]
+        nearer = np.minimum.accumulate([np.inf, *(found.largest_distance for found in in_order)])
+        return tuple(found for found, limit in zip(in_order, nearer) if found.largest_distance < limit)
+
     @cached_property
     def cognates(self) -> tuple[Cognate, ...]:
         """This linkage and the two other four-bars that draw the same path.
