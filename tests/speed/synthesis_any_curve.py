@@ -1,8 +1,8 @@
 """Prints how well four- to eight-bars follow 32 closed curves that no four-bar draws. Never pass or fail.
 
-.venv/bin/python -m tests.speed.synthesis_any_curve [geared] [names of curves], five- and seven-bars if geared; largest distances both ways and rms, % of the
-diagonal of the curve's box, by position analysis of the results alone; seconds are of the processor, of one thread.
-Letters need the font DejaVu Sans Bold, whose file ezdxf finds.
+.venv/bin/python -m tests.speed.synthesis_any_curve [geared] [names of curves]; five- and seven-bars if geared. Largest
+distances both ways and rms, % of the diagonal of the curve's box, by position analysis of the results alone; seconds are
+of the processor, of one thread. Letters need the font DejaVu Sans Bold, whose file ezdxf finds.
 """
 
 import sys

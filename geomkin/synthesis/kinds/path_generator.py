@@ -171,7 +171,8 @@ class WantedPath:
         "whether the points lie, in any order, on a closed curve that a full turn draws", default=False
     )
     bars: Literal[4, 5, 6, 7, 8] = entry(
-        "largest number of bars; more than 4 follow a closed path that few four-bars follow", default=4
+        "largest number of bars; more than 4 follow paths that few four-bars follow",
+        default=4,
     )
     geared: bool = entry("whether five- and seven-bars with two geared cranks are searched for too", default=False)
     slides: bool = entry("true for a slider-crank, false for a four-bar", default=False)
@@ -254,13 +255,13 @@ class PathBounds:
     origin_x: Pair | None = entry("least and greatest x of the crank's ground pivot, mm", default=None, units=MM)
     origin_y: Pair | None = entry("least and greatest y of the crank's ground pivot, mm", default=None, units=MM)
     pivots_x: Pair | None = entry(
-        "for closed paths, least and greatest x of all other ground pivots, mm", default=None, units=MM
+        "for closed paths or more bars, least and greatest x of all other ground pivots, mm", default=None, units=MM
     )
     pivots_y: Pair | None = entry(
-        "for closed paths, least and greatest y of all other ground pivots, mm", default=None, units=MM
+        "for closed paths or more bars, least and greatest y of all other ground pivots, mm", default=None, units=MM
     )
     links: Pair | None = entry(
-        "for closed paths, least and greatest distance of the pins of each link, mm, to limit the mechanism's size",
+        "for closed paths or more bars, least and greatest distance of the pins of each link, mm, to limit its size",
         default=None,
         units=MM,
     )
@@ -283,7 +284,7 @@ class PathEffort(Search):
     """Seed, time limit and effort of a search."""
 
     effort: int = quantity(
-        "work of the search for a closed path: with 3 it takes three times as long and comes nearer",
+        "work of the search for closed paths and for more than four bars: 3 takes three times as long and comes nearer",
         default=1,
         at_least=1,
         at_most=100,
@@ -435,7 +436,8 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         entries = super().listed(found)
         if found.bars == 4:
             return entries
-        design = recipe_of(found.linkage, found.branch, self.driver_range, self.drive, self.stock, self.files)
+        low, high = (float(np.degrees(end)) for end in found.drive_range)
+        design = recipe_of(found.linkage, found.branch, (low, high), self.drive, self.stock, self.files)
         return {**entries, "collisions": len(design.made.stack.collisions)}
 
     @property
@@ -473,6 +475,13 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
             "usable": None if usable is None else {"choose": rank, **self.shortened(usable).summary()},
             "cognates": cognates,
         }
+        if self.wanted.bars > 4:
+            # The nearest with each number of bars, by rank.
+            entries["front"] = [
+                {"choose": 1 + next(k for k, one in enumerate(best.ranked) if one is found), "bars": found.bars}
+                | {"largest_distance_mm": ten_digits(found.largest_distance)}
+                for found in best.front
+            ]
         if best.path_count is not None:
             entries["paths"] = asdict(best.path_count)
         return entries | dict(super().notes)

@@ -24,6 +24,8 @@ MARGIN_DEG, MARGIN_RATIO, MARGIN_LINK = 1.0, 0.98, 0.01
 APART = 0.4
 # Largest step of the logarithm of a length, of a crank angle, rad, and of a place on the curve, as a share of it.
 LONGEST_STEP, CRANK_STEP, PLACE_STEP = 0.5, 0.15, 0.02
+# Steps to the nearest place of a path.
+NEAREST_STEPS = 6
 # Least sine of a transmission angle; a step beyond it is refused.
 TOGGLE = 0.03
 # Chains refined at once: more do not fit the processor's cache.
@@ -248,7 +250,8 @@ def linearised(task: CurveTask, state: State, along: float, limits: float, level
     with np.errstate(invalid="ignore", divide="ignore"):
         direction = np.concatenate([tangent[:, :half], by_crank[:, half:] / speed[:, half:]], axis=1)
         weight = speed[:, :half] / (2 * speed[:, :half].sum(axis=1, keepdims=True))
-    root = np.sqrt(np.concatenate([weight, np.full((len(weight), half), 1 / samples)], axis=1))
+    weight = np.concatenate([weight, np.full((len(weight), half), 1 / samples)], axis=1)
+    root = np.sqrt(weight * task.target.weight_at(state.places))
     turned = np.conj(direction)
     off, by = off * turned, moved.by[:, 1:] * turned[:, None]
     across, across_by = off.imag, by.imag
@@ -308,7 +311,8 @@ def refined(
     if power > 2:
         place, tangent = task.target.at(state.places)
         point = traced(state.chains, state.cranks, derivatives=False).point
-        level = Level(power, np.abs(cross(tangent, point - place)).max(axis=1, keepdims=True) + 1e-9)
+        across = np.abs(cross(tangent, point - place)) * (task.target.weight_at(state.places) > 0)
+        level = Level(power, across.max(axis=1, keepdims=True) + 1e-9)
     now = linearised(task, state, along, limits, level)
     chains, cranks, places = state.chains, state.cranks, state.places
     p = chains.x.shape[1]
@@ -388,15 +392,15 @@ class CurveSearch:
         self.task, self.effort, self.watch = task, effort, watch
         self.numbers = [number for number in range(4, bars + 1) if is_geared or number % 2 == 0]
         self.rng = np.random.default_rng(seed)
-        self.best: dict[int, Chains] = {}
+        self.best: dict[int, State] = {}
 
-    def run(self) -> dict[int, Chains]:
+    def run(self) -> dict[int, State]:
         """The best chains by number of bars."""
         best: dict[int, State] = {}
         for k, bars in enumerate(self.numbers):
             effort = EFFORT[bars]
-            similar = curve_library(bars).nearest(self.task.target, self.effort * effort.similar)[0]
-            now = self.halved(matched(self.task, self.task.within(similar), SAMPLES[0]), first=True)
+            similar = self.task.within(curve_library(bars).nearest(self.task.target, self.effort * effort.similar)[0])
+            now = self.halved(matched(self.task, similar, SAMPLES[0]), first=True)
             if effort.grown and len(best.get(bars - 2, ())):
                 now = self.better(now, self.halved(self.grown(best[bars - 2], self.effort * effort.grown)))
             for hop, share in enumerate(effort.hops, 1):
@@ -478,12 +482,29 @@ class CurveSearch:
         scale[:, ends.head : -2] = parts.reshape(len(ends), -1)
         return replace(state[rows], chains=self.task.within(replace(ends, x=x + scale * change)))
 
-    def finished(self, state: State) -> Chains:
+    def finished(self, state: State) -> State:
         """The chains, and copies whose largest distances are smaller (least high powers)."""
         if not len(state) or self.watch.over():
-            return state.chains
+            return state
         state, _ = refined(self.task, state.resampled(SAMPLES[-1]), 40, 0.02, 600.0)
         level = state
         for power in POWERS:
             level, _ = refined(self.task, level, POWER_STEPS, 0.02, 600.0, power)
-        return joined([state.chains, level.chains])
+        return joined_states([state, level])
+
+
+def cranks_along(task: CurveTask, state: State, shares: Real) -> Real:
+    """Crank angles (s, n), rising or falling, at which the chains are nearest to shares (n,) of the curve."""
+    half = state.cranks.shape[1] // 2
+    sense = np.sign(state.places[:, half - 1] - state.places[:, 0])[:, None]
+    equal = np.arange(half + 1) / half
+    cranks = np.unwrap(state.cranks[:, half:])
+    ends = np.concatenate([cranks, cranks[:, :1] + 2 * np.pi * sense], axis=1)
+    cranks = np.array([np.interp(shares, equal, row) for row in ends]).reshape(-1, len(shares))
+    place = task.target.at(shares)[0]
+    for _ in range(NEAREST_STEPS):
+        moved = traced(state.chains, cranks)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            by_crank = np.nan_to_num(dot(moved.by[:, 0], place - moved.point) / np.abs(moved.by[:, 0]) ** 2)
+        cranks = cranks + np.clip(by_crank, -CRANK_STEP, CRANK_STEP)
+    return sense * np.maximum.accumulate(sense * cranks, axis=1)

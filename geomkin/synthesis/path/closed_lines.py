@@ -13,6 +13,8 @@ PARTS = 8
 AT_ONCE = 256
 # Number of points beyond which they are taken in their order.
 TOURED = 300
+# Slope at the ends of the way back from the end of an open path to its start, by their distance, and its points.
+RETURN, RETURN_POINTS = 3.0, 16
 # Parts of a line that are compared with each other.
 COMPARED = 600
 # Samples of a path, equal in arc length, whose distances from the line are measured.
@@ -21,7 +23,21 @@ MEASURED = 1024
 
 def loop(points: Complex) -> Complex:
     """A smooth closed line (k,) through points in the order of a short tour; its end is the start."""
-    ahead = points[short_tour(points)]
+    return smooth_line(points[short_tour(points)])
+
+
+def returned(points: Complex) -> Complex:
+    """Points of an open path and of a way back, half a circle's height beside it, by which it becomes a closed one."""
+    start, end = points[1] - points[0], points[-1] - points[-2]
+    far = RETURN * max(abs(points[-1] - points[0]), np.ptp(points.real) / 2, np.ptp(points.imag) / 2)
+    t = np.arange(1, RETURN_POINTS) / RETURN_POINTS
+    slopes = (far * unit(np.array([end, start]))).tolist()
+    back = (1 - t) ** 2 * (1 + 2 * t) * points[-1] + t**2 * (3 - 2 * t) * points[0]
+    return np.concatenate([points, back + t * (1 - t) ** 2 * slopes[0] - t**2 * (1 - t) * slopes[1]])
+
+
+def smooth_line(ahead: Complex) -> Complex:
+    """A smooth closed line (k,) through points in their order, with `PARTS` parts from each to the next."""
     before, after, next_but_one = np.roll(ahead, 1), np.roll(ahead, -1), np.roll(ahead, -2)
     t = np.linspace(0, 1, PARTS, endpoint=False)[:, None]
     slope, slope_after = (after - before) / 2, (next_but_one - ahead) / 2

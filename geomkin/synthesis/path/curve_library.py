@@ -24,12 +24,13 @@ SIZE = 100.0
 class TargetCurve:
     """A wanted closed curve, scaled to a box with the diagonal `SIZE` about 0.
 
-    points: (POINTS,) at equal arc lengths; scale: mm of a unit; middle: mm.
+    points: (POINTS,) at equal arc lengths; scale: mm of a unit; middle: mm; weight: (POINTS,), in the mean 1.
     """
 
     points: Complex
     scale: float
     middle: complex
+    weight: Real
 
     @cached_property
     def tangent(self) -> Complex:
@@ -55,6 +56,11 @@ class TargetCurve:
         points, tangents = self.looped
         return points[index] * (1 - part) + points[index + 1] * part, tangents[index]
 
+    def weight_at(self, share: Real) -> Real:
+        """Weights of the distances at shares of the length, any shape."""
+        weight: Real = self.weight[((share % 1.0) * POINTS).astype(int) % POINTS]
+        return weight
+
     @cached_property
     def harmonics(self) -> Complex:
         """As `harmonics_of`, (HARMONICS,)."""
@@ -62,13 +68,15 @@ class TargetCurve:
         return harmonics
 
 
-def target_curve(line: Complex) -> TargetCurve:
-    """The wanted curve of a closed line, whose end is its start."""
+def target_curve(line: Complex, weight: Real | None = None) -> TargetCurve:
+    """The wanted curve of a closed line (k,), whose end is its start, and weights (k,) of the distances from it."""
     share = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(line)))])
-    points = np.interp(share[-1] * np.arange(POINTS) / POINTS, share, line)
+    at = share[-1] * np.arange(POINTS) / POINTS
+    points = np.interp(at, share, line)
     corners = [complex(f(points.real), f(points.imag)) for f in (np.min, np.max)]
     scale, middle = abs(corners[1] - corners[0]) / SIZE, sum(corners) / 2
-    return TargetCurve((points - middle) / max(scale, 1e-300), scale, middle)
+    weights = np.ones(POINTS) if weight is None else np.interp(at, share, weight)
+    return TargetCurve((points - middle) / max(scale, 1e-300), scale, middle, weights / weights.mean())
 
 
 def harmonics_of(path: Complex) -> tuple[Complex, Real]:

@@ -116,11 +116,13 @@ def path_generator(
     slides : bool
         Whether a slider-crank is wanted instead of a four-bar.
     bars : {4, 5, 6, 7, 8}
-        Largest number of bars. With more than 4 the points must be closed; `ranked` then also has linkages with fewer.
+        Largest number of bars. With more than 4, which take no `drive_deg`, `ranked` also has linkages with fewer, and
+        the crank turns fully; an open path is traced in a part of the turn.
     geared : bool
         Whether to search for five- and seven-bars as well, whose two cranks are coupled by gears.
     effort : int
-        Work of the search for closed curves, 1 to 100: with 3 it takes three times as long and comes nearer.
+        Work of the search for closed curves, and for open ones with more than four bars, 1 to 100: with 3 it takes
+        three times as long and comes nearer.
 
     Returns
     -------
@@ -169,10 +171,10 @@ def path_generator(
     """
     wanted = np.asarray(points, dtype=complex)
     chain_bounds, timed = None, drive_deg is not None
-    _check_chain(bars, geared, {"closed": not closed, "drive_deg": timed, "slides": slides})
-    if effort > 1 and not (closed and not timed and not slides):
-        remedy = "omit it, or give a closed path without crank angles and a slider"
-        raise DesignError("effort", f"found {effort}, but only closed paths have one", remedy, "conflict")
+    _check_chain(bars, geared, {"drive_deg": timed, "slides": slides})
+    if effort > 1 and bars == 4 and (not closed or timed or slides):
+        remedy = "omit it, or give a closed path without crank angles and a slider, or more bars"
+        raise DesignError("effort", f"found {effort} for an open path of a four-bar", remedy, "conflict")
     of_curves = closed and not timed and not slides and set(bounds or ()) <= {*CURVE_BOUNDS}
     if bars > 4 or (of_curves and bounds):
         chain_bounds, bounds = _chain_bounds(bounds or {}), None
@@ -276,8 +278,8 @@ def _check_chain(bars: int, geared: bool, wrong: Mapping[str, bool]) -> None:
         problem, remedy = f"{bars} bars with geared = {str(geared).lower()}", "give geared = true with 5 to 8 bars"
         raise DesignError("bars", problem, f"{remedy}, or 4, 6 or 8 bars without", "conflict")
     for field in (name for name, is_wrong in wrong.items() if is_wrong and bars > 4):
-        problem = "more than four bars follow closed curves without crank angles and without a slider"
-        raise DesignError(field, problem, "give closed = true without crank angles and slides, or 4 bars", "conflict")
+        problem = "more than four bars follow paths without crank angles and without a slider"
+        raise DesignError(field, problem, "omit drive_deg and slides, or give 4 bars", "conflict")
 
 
 def _used(points: Complex, drive_deg: Angles | None, closed: bool) -> tuple[Complex, Real | None]:

@@ -21,8 +21,8 @@ from ...linkage.moving import move
 from ...linkage.named_linkages import FourBar, SliderCrank
 from ...plane.vec import Complex, Real, Whole, cross
 from ..found import Found, Rounding
-from .any_curve import MARGIN_DEG, MARGIN_RATIO, ChainBounds, CurveSearch, CurveTask
-from .closed_lines import WantedLine, crossings
+from .any_curve import MARGIN_DEG, MARGIN_RATIO, ChainBounds, CurveSearch, CurveTask, State, cranks_along
+from .closed_lines import PARTS, WantedLine, crossings, evenly, returned, smooth_line
 from .coupler_paths import (
     ARM_X,
     ARM_Y,
@@ -37,8 +37,8 @@ from .coupler_paths import (
     points_of,
     signed_transmission_cosine,
 )
-from .curve_library import SIZE, TargetCurve, target_curve
-from .dyad_chains import Chains, linkage_of
+from .curve_library import SIZE, target_curve
+from .dyad_chains import linkage_of
 from .fits import PASSED, PathTask, nearest_angles, nearest_from, polished_starts, refined_starts
 from .nine_points import PathCount, cranks_and_branches, special, through_nine, with_cognates
 from .starts import free_starts, timed_starts
@@ -160,6 +160,18 @@ class PathFound(Found):
         if self.is_usable:
             return self
         return self.again() if self.again else None
+
+    @property
+    def front(self) -> tuple[PathFound, ...]:
+        """Those of `ranked` without defects to which none with as few bars is nearer; the fewest bars first."""
+        best: dict[int, PathFound] = {}
+        for found in self.ranked:
+            nearest = best.get(found.bars)
+            if not found.defects and (nearest is None or found.largest_distance < nearest.largest_distance):
+                best[found.bars] = found
+        in_order = [best[bars] for bars in sorted(best)]
+        nearer = np.minimum.accumulate([np.inf, *(found.largest_distance for found in in_order)])
+        return tuple(found for found, limit in zip(in_order, nearer) if found.largest_distance < limit)
 
     @cached_property
     def cognates(self) -> tuple[Cognate, ...]:
@@ -412,23 +424,26 @@ class PathSearch:
             t = nearest_from(task, x, nearest_angles(task, x, t, branch), branch)
         return x, t, branch
 
-    def _curve_search(self, seed: int, watch: Watch) -> tuple[TargetCurve, list[Chains]]:
-        """The target of a search for chains, and the chains that it finds."""
-        assert self.wanted_line is not None
-        target = target_curve(self.wanted_line.line)
+    def _curve_search(self, seed: int, watch: Watch) -> tuple[CurveTask, list[State]]:
+        """The task of a search for chains, and the chains that it finds."""
+        if self.wanted_line is not None:
+            target = target_curve(self.wanted_line.line)
+        else:
+            line = smooth_line(returned(self.points))
+            target = target_curve(line, (np.arange(len(line)) <= PARTS * (len(self.points) - 1)).astype(float))
         bounds = (self.chain_bounds or ChainBounds()).scaled(target.scale, target.middle)
         bounds = replace(bounds, links=(bounds.links[0], min(bounds.links[1], LONGEST * SIZE)))
         limits = float(np.degrees(self.task.least_transmission)), self.task.largest_ratio
         task = CurveTask(target, *limits, bounds)
-        return target, list(CurveSearch(task, self.bars, self.is_geared, self.effort, seed, watch).run().values())
+        return task, list(CurveSearch(task, self.bars, self.is_geared, self.effort, seed, watch).run().values())
 
     def closed_four_bars(self, rng: np.random.Generator, watch: Watch) -> tuple[Real, Real, Real]:
         """`searched` for closed paths: the best two ways, and these with the least squares of the points alone."""
-        target, found = self._curve_search(int(rng.integers(2**32)), watch)
+        curve, found = self._curve_search(int(rng.integers(2**32)), watch)
         rows, signs = [], []
-        for chains in found:
-            for k in range(len(chains)):
-                bar, sign = linkage_of(chains, k, target.scale, target.middle)
+        for state in found:
+            for k in range(len(state)):
+                bar, sign = linkage_of(state.chains, k, curve.target.scale, curve.target.middle)
                 assert isinstance(bar, FourBar)
                 place, arm = bar.origin - self.middle, complex(bar.coupler_point)
                 lengths = [bar.ground, bar.crank, bar.coupler, bar.rocker, arm.real, arm.imag, place.real, place.imag]
@@ -442,30 +457,46 @@ class PathSearch:
         return x[good], nearest_from(self.task, x[good], t[good], branch[good]), branch[good]
 
     def chains(self, number: int, watch: Watch) -> list[PathFound]:
-        """Four- to eight-bars for a closed path, each measured by its motion alone."""
-        target, found = self._curve_search(int(np.random.default_rng([self.seed, number]).integers(2**32)), watch)
-        made = (
-            self.measured(*linkage_of(chains, k, target.scale, target.middle))
-            for chains in found
-            for k in range(len(chains))
-        )
+        """Four- to eight-bars for a path, each measured by its motion alone."""
+        curve, found = self._curve_search(int(np.random.default_rng([self.seed, number]).integers(2**32)), watch)
+        target, made = curve.target, []
+        for state in found:
+            cranks = None
+            if self.wanted_line is None:
+                line = smooth_line(returned(self.points))
+                shares = evenly(line[None], 2)[1][0, : PARTS * len(self.points) : PARTS]
+                cranks = cranks_along(curve, state, shares)
+            for k in range(len(state)):
+                linkage, branch = linkage_of(state.chains, k, target.scale, target.middle)
+                # The crank of a chain is at its first pin's angle from that of a linkage.
+                turned = np.angle(state.chains.pins[k, 0, 0]) - np.radians(linkage.ground_angle_deg)
+                made.append(self.measured(linkage, branch, None if cranks is None else cranks[k] + turned))
         return [linkage for linkage in made if linkage is not None]
 
-    def measured(self, linkage: FourBar | Linkage, branch: int) -> PathFound | None:
-        """A linkage whose crank turns fully, measured; None if it does not close or violates a limit."""
+    def measured(self, linkage: FourBar | Linkage, branch: int, cranks: Real | None) -> PathFound | None:
+        """A linkage whose crank turns fully, measured, at the points at these crank angles if the path is open.
+
+        None if it does not close or violates a limit.
+        """
         motion = move(linkage, FULL_TURN, branch)
         path, angle = motion.point("coupler_point").position, float(least_transmission_angle(motion))
-        if self.wanted_line is None or not motion.assembled.all() or angle < self.task.least_transmission:
+        if not motion.assembled.all() or angle < self.task.least_transmission:
             return None
-        off, largest, rms = self.wanted_line.both_ways(path)
-        nearest = [int(np.argmin(np.abs(path[:-1] - point))) for point in self.points]
+        if self.wanted_line is not None:
+            off, largest, rms = self.wanted_line.both_ways(path)
+            drive = FULL_TURN[[int(np.argmin(np.abs(path[:-1] - point))) for point in self.points]]
+        else:
+            assert cranks is not None
+            drive = cranks - 2 * np.pi * np.floor(cranks[0] / (2 * np.pi))
+            off = np.abs(move(linkage, drive, branch).point("coupler_point").position - self.points)
+            largest, rms = float(off.max()), float(np.sqrt(np.mean(off**2)))
         found = PathFound(
             linkage=linkage,
             branch=branch,
-            drive=FULL_TURN[nearest],
+            drive=drive,
             transmission_angle_deg=float(np.degrees(angle)),
             points=self.points,
-            closed=True,
+            closed=self.task.closed,
             square_error=float(np.sum(off**2)),
             largest_distance=largest,
             rms_distance=rms,
