@@ -335,6 +335,44 @@ def test_four_designs_are_made_by_mouse_alone_from_an_empty_folder(studio):  # n
     assert max(gestures.values()) < 40
 
 
+def test_loads_and_a_motor_are_put_on_a_linkage_and_taken_away(empty_stage):
+    hand = empty_stage()
+    page = hand.page
+    hand.use("pivot", (-60, -20), (60, -20))
+    hand.use("bar", (-60, -20), (-40, 10))
+    hand.use("spring", (-40, 10), (-80, 60))
+    # It is drawn before the linkage moves.
+    assert len(page.get_attribute(".spring", "d")) > 100
+    hand.use("dyad", (-40, 10), (60, -20), (50, 50))
+    hand.use("force", (50, 50), (90, 50))
+    hand.use("motor", (-50, -5))
+    hand.click('#motor-dialog button:has-text("nema17")')
+    assert not page.locator(".stale").count()
+    hand.click("#save")
+    hand.click("#name-dialog button >> nth=0")
+    page.wait_for_selector("#dirty", state="hidden")
+    recipe = gk.load(hand.editor.file.with_name("linkage.toml"))
+    (spring,), (force,) = recipe.loads.springs, recipe.loads.forces
+    assert spring.body == "crank" and spring.to_body == "ground" and force.force_n == (10, 0)
+    assert recipe.stock.motor is not None and recipe.linkage.driver == "crank"
+    # The middle of the spring, and of the arrow, on the screen.
+    x, y = centre(page, "point:loads.forces[0].force_n")
+    start = on_stage(page, 50, 50)
+    hand.click('[data-tool="delete"]')
+    for spot in ((x + start[0]) / 2, (y + start[1]) / 2), on_stage(page, *middle((-40, 10), (-80, 60))):
+        hand.count()
+        page.mouse.move(*spot)
+        page.mouse.click(*spot)
+        settle(page)
+    hand.use("motor", (-50, -5))
+    hand.click('#motor-dialog button:has-text("no motor")')
+    hand.click("#save")
+    page.wait_for_selector("#dirty", state="hidden")
+    recipe = gk.load(hand.editor.file.with_name("linkage.toml"))
+    assert not recipe.loads and recipe.stock.motor is None and len(recipe.linkage.bodies) == 4
+    assert page.get_attribute(".spring", "d") == ""
+
+
 SQUARE = '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H40V-30H0Z" fill="none"/></svg>'
 
 
