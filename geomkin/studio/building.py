@@ -13,12 +13,14 @@ import tomlkit
 from ..core.errors import DesignError, GeomkinError, shown
 from ..core.fields import FARTHEST, to_digits
 from ..core.units import LengthUnit
+from ..linkage.kinds.linkage_kinds import LinkageRecipe
 from ..linkage.kinds.linkages import AbstractLinkageRecipe
 from ..linkage.kinds.moved import branch_of
 from ..linkage.linkage import Linkage
 from ..linkage.motion import Motion
 from ..linkage.moving import move
 from ..recipe.keys import edited_text
+from ..recipe.lengths import from_mm
 from .clicks import EDITS, Clicks, are_clicks, with_driver
 from .drafts import Draft
 from .structure import MOST_BODIES, Points, Structure, structure_at, unfinished
@@ -81,11 +83,14 @@ def built(draft: Draft, edit: Mapping[str, Any]) -> str:
     scaled = [{**click, "at": [x / draft.scale for x in click["at"]]} for click in on]
     after = with_driver(change(before, Clicks(scaled, grid)))
     draft = _as_bodies(draft, before)
-    draft = draft.with_changes(_changes(draft.table, before, after, writer))
-    if "loads" in draft.table and not any(draft.table["loads"].values()):
-        # Loads that are all gone are no loads.
-        draft = draft.with_changes({"loads": None})
+    draft = without_empty_loads(draft.with_changes(_changes(draft.table, before, after, writer)))
     return _settled(draft, after, writer).text
+
+
+def without_empty_loads(draft: Draft) -> Draft:
+    """The draft without a table of loads of which the last one was removed."""
+    loads = draft.table.get("loads")
+    return draft.with_changes({"loads": None}) if isinstance(loads, dict) and not any(loads.values()) else draft
 
 
 def moved(draft: Draft, point: str, to: complex, step: float) -> str:
@@ -195,7 +200,8 @@ def _changes(table: Mapping[str, Any], before: Structure, after: Structure, writ
         changes |= {f"linkage.{key}[{k}]": writer.row(joint) for k, joint in enumerate(are) if k >= kept}
     for key, load in after.loads:
         held = len(table.get("loads", {}).get(key, []))
-        changes |= {f"loads.{key}[{held}]": writer.row(load)} if held else {f"loads.{key}": [writer.row(load)]}
+        (row,) = from_mm({"loads": {key: [load]}}, LinkageRecipe, writer.unit)["loads"][key]
+        changes |= {f"loads.{key}[{held}]": writer.row(row)} if held else {f"loads.{key}": [writer.row(row)]}
     return changes | dict(_without(table, before.names - after.names, changes))
 
 

@@ -17,6 +17,8 @@ from .structure import Structure
 NEARLY, RIGHT = 4.0, 15
 # Length of a lever beyond the pin in its slot, in distances of the two; size of a new force, N.
 BEYOND, FORCE = 1.3, 10.0
+# Stiffness of a new spring, N/mm, and its length without load, in present lengths.
+STIFFNESS, RELAXED = 0.5, 0.6
 
 
 @dataclass(frozen=True)
@@ -173,6 +175,18 @@ def _force(structure: Structure, clicks: Clicks) -> Structure:
     return replace(structure, loads=(*structure.loads, ("forces", {"body": body, "point": point, "force_n": force})))
 
 
+def _spring(structure: Structure, clicks: Clicks) -> Structure:
+    """A spring between points of two bodies, as long without load as a part of its present length."""
+    structure, names = clicks.points(structure, 2, is_held=True)
+    one, two = (structure.bodies_at(name) for name in names)
+    if {*one} & {*two}:
+        raise DesignError("build", "both ends are on one body", "click points of two bodies", "conflict")
+    length = abs(structure.places[names[1]] - structure.places[names[0]])
+    spring = {"body": one[-1], "point": names[0], "to_body": two[-1], "to_point": names[1]}
+    sizes = {"stiffness": STIFFNESS, "free_length": to_digits(RELAXED * length, 3)}
+    return replace(structure, loads=(*structure.loads, ("springs", {**spring, **sizes})))
+
+
 def _driver(structure: Structure, clicks: Clicks) -> Structure:
     body = clicks.body(0, structure)
     if body == structure.ground:
@@ -220,6 +234,7 @@ EDITS: Mapping[str, tuple[int, Callable[[Structure, Clicks], Structure]]] = {
     "lever": (2, _lever),
     "trace": (2, _trace),
     "force": (2, _force),
+    "spring": (2, _spring),
     "driver": (1, _driver),
     "delete": (1, _delete),
 }

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import partial
+from itertools import count, takewhile
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,9 @@ from ..core.errors import DesignError, FileError, GeomkinError, Problem, RecipeE
 from ..core.units import MM, UNITS
 from ..export.still import kept_frames
 from ..export.summary import as_json
+from ..linkage.dynamics.wrenches import known_place
 from ..linkage.kinds.linkages import AbstractLinkageRecipe
+from ..linkage.scene_handles import body_point
 from ..model.check import Check
 from ..model.explanations import explained_check
 from ..model.scene import SceneHandle
@@ -26,13 +29,13 @@ from ..recipe.keys import edited_text, with_added
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.shown import ShownRecipe
 from .additions import addition
-from .building import built, plain
+from .building import built, plain, without_empty_loads
 from .drafts import Draft, flat, read
 from .dragging import dragged, is_locked, plot_factors
 from .joining import joined, shafts
 from .lengths import dimensions, resized
 from .strokes import drawn_recipe, lines_of
-from .structure import advice, drawn, is_unfinished, point_handles, structure_at, structure_data, unfinished
+from .structure import Structure, advice, drawn, is_unfinished, point_handles, structure_at, structure_data, unfinished
 
 # Where keys begin of which some may be missing or wrong while a linkage is built.
 BUILT = ("linkage", "stroke", "branch")
@@ -77,6 +80,7 @@ def answer(
         The new `text`, `scene`, `handles`, `values`, `quantities`, `problems`, `limit`, `preview` (joints of a
         linkage), `structure` (names in a linkage), `unfinished` (what a linkage that is built still lacks),
         `shafts` (that can turn another mechanism), `dimensions` (lengths on the drawing that can be set),
+        `springs` (with the places of their ends),
         `unavailable` (keys of tables that this mechanism cannot have), and for the lane "checks" also
         `checks`, `candidates` and `parts`. The text is never lost: if it is wrong, `problems` says where.
 
@@ -105,7 +109,7 @@ def _replied(draft: Draft, request: Mapping[str, Any]) -> Answer:
         "text": draft.text, "kind": "", "name": draft.name, "scene": None, "handles": [], "values": {}, "problems": [],
         "limit": None, "search": False, "unavailable": [], "quantities": [], "checks": None, "candidates": None,
         "parts": None, "preview": None, "structure": None, "unfinished": "",
-        "shafts": [], "dimensions": [],
+        "shafts": [], "dimensions": [], "springs": [],
     }  # fmt: skip
     try:
         for edited in (_set, _by_hand, _drag):
@@ -127,6 +131,7 @@ def _replied(draft: Draft, request: Mapping[str, Any]) -> Answer:
             if isinstance(recipe, AbstractLinkageRecipe) and is_scene:
                 reply["structure"] = structure_data(structure_at(recipe, 0))
                 reply["dimensions"] = dimensions(recipe.linkage.linkage)
+                reply["springs"] = [*_springs(recipe)]
     except GeomkinError as error:
         reply["problems"] = [_with_line(problem, draft.text) for problem in problems_of(error)]
     except (MemoryError, RecursionError):
@@ -169,7 +174,10 @@ def _with_line(problem: dict[str, str | float], text: str) -> dict[str, str | fl
 
 def _set(draft: Draft, request: Mapping[str, Any], reply: Answer) -> Draft:
     changes = request.get("set")
-    return draft.with_changes(draft.whole_lists(changes)) if changes else draft
+    if not changes:
+        return draft
+    draft = draft.with_changes(draft.whole_lists(changes))
+    return without_empty_loads(draft) if any(value is None for value in changes.values()) else draft
 
 
 def _by_hand(draft: Draft, request: Mapping[str, Any], reply: Answer) -> Draft:
@@ -262,7 +270,7 @@ def _unfinished(draft: Draft, request: Mapping[str, Any], reply: Answer) -> None
         # It is too large to be drawn.
         return
     reply["name"], reply["handles"], reply["structure"] = name, handles, structure_data(structure)
-    reply["values"] = values
+    reply["values"], reply["springs"] = values, [*_drawn_springs(values, structure, draft.scale)]
     if is_open:
         reply["problems"], reply["unfinished"] = [], advice(structure)
     if is_check:
@@ -296,19 +304,41 @@ def _stated(check: Check) -> str:
     return f"{check.value:.{check.digits(4)}g} {check.unit}".strip()
 
 
-def _handle(handle: SceneHandle, locks: Collection[str], x_factor: float, y_factor: float) -> dict[str, Any]:
-    def places(at: Complex) -> list[Any]:
-        """[x, y], each a row over the frames unless it stays."""
-        kept = at[kept_frames(len(at))]
-        is_fixed = bool(np.isfinite(kept).all() and (kept == kept[0]).all())
-        x, y = (_row(part[:1] if is_fixed else part) for part in (kept.real / x_factor, kept.imag / y_factor))
-        return [x[0], y[0]] if is_fixed else [x, y]
+def _springs(recipe: AbstractLinkageRecipe) -> Iterator[dict[str, Any]]:
+    """Springs of a linkage with their keys and the places of both ends."""
+    motion, loads = recipe.motion, getattr(recipe, "loads", None)
+    for key in ("springs", "gas_springs"):
+        for k, spring in enumerate(getattr(loads, key, ())):
+            ends = ((spring.body, spring.point), (spring.to_body, spring.to_point))
+            places = (complex(known_place(motion.linkage, body, point, f"loads.{key}[{k}].")) for body, point in ends)
+            at, to = (_places(body_point(motion, body, place)) for (body, _), place in zip(ends, places))
+            yield {"key": f"loads.{key}[{k}]", "label": f"{key[:-1].replace('_', ' ')} {k + 1}", "at": at, "to": to}
 
+
+def _drawn_springs(values: Mapping[str, Any], structure: Structure, scale: float) -> Iterator[dict[str, Any]]:
+    """The same of a linkage that is still built, between points with names."""
+    keys = takewhile(lambda key: f"{key}.point" in values, (f"loads.springs[{k}]" for k in count()))
+    for k, key in enumerate(keys, 1):
+        ends = [structure.places.get(str(values.get(f"{key}.{end}"))) for end in ("point", "to_point")]
+        at, to = ([scale * end.real, scale * end.imag] if end is not None else None for end in ends)
+        if at and to:
+            yield {"key": key, "label": f"spring {k}", "at": at, "to": to}
+
+
+def _places(at: Complex, x_factor: float = 1.0, y_factor: float = 1.0) -> list[Any]:
+    """[x, y], each a row over the frames unless it stays."""
+    kept = at[kept_frames(len(at))]
+    is_fixed = bool(np.isfinite(kept).all() and (kept == kept[0]).all())
+    x, y = (_row(part[:1] if is_fixed else part) for part in (kept.real / x_factor, kept.imag / y_factor))
+    return [x[0], y[0]] if is_fixed else [x, y]
+
+
+def _handle(handle: SceneHandle, locks: Collection[str], x_factor: float, y_factor: float) -> dict[str, Any]:
     return {
         "id": handle.id, "label": harmless(handle.label), "keys": list(handle.keys), "shape": handle.shape,
-        "at": places(handle.at), "radius": handle.radius or None, "plot": handle.column or None,
+        "at": _places(handle.at, x_factor, y_factor), "radius": handle.radius or None, "plot": handle.column or None,
         "arrow": [handle.arrow.real, handle.arrow.imag] if handle.arrow else None,
-        "anchor": None if handle.anchor is None else places(handle.anchor),
+        "anchor": None if handle.anchor is None else _places(handle.anchor, x_factor, y_factor),
         "locked": all(is_locked(key, locks) for key in handle.keys),
     }  # fmt: skip
 

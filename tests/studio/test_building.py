@@ -174,6 +174,30 @@ def test_deleting_removes_what_is_nothing_without_it():
     assert gk.load(text).motion.assembled.all()
 
 
+@pytest.mark.parametrize(("units", "mm"), [("mm", 1), ("in", 25.4)])
+def test_a_spring_between_two_bodies_pulls_as_the_same_one_in_python(units, mm):
+    head = EMPTY.replace("\n\n[linkage]", f'\nunits = "{units}"\n\n[linkage]')
+    text = built_by(*FOUR_BAR, ("spring", at(-40, 60), point("E")), text=head)
+    recipe = gk.load(text)
+    (spring,) = recipe.loads.springs
+    assert {spring.body, spring.to_body} == {"ground", "bar_1"} and 0 < spring.free_length < 100
+    reply = answer(text, {}, {})
+    (shown,) = reply["springs"]
+    ends = [complex(*(row[0] if isinstance(row, list) else row for row in shown[end])) for end in ("at", "to")]
+    assert abs(ends[0] - (-40 + 60j)) < 0.3 and abs(ends[1] - recipe.motion.point("E").position[0]) < 1e-3
+    # The driver's torque does the work that the spring takes.
+    motion = recipe.motion
+    length = np.abs(motion.point("E").position - ends[0])
+    energy = 0.5 * spring.stiffness * (length - spring.free_length) ** 2
+    torque = np.gradient(energy, motion.drive)[1:-1]
+    effort = gk.forces(motion, gk.Loads(springs=(spring,))).driver[1:-1]
+    assert np.allclose(effort, torque, atol=0.01 * np.abs(torque).max())
+    # It goes with its point, and alone.
+    assert gk.load(built_by(("delete", point("E")), text=text)).loads is None
+    without = answer(text, {}, {"set": {shown["key"]: None}})
+    assert not without["springs"] and gk.load(without["text"]).loads is None
+
+
 @pytest.mark.parametrize(("old", "new"), [("crank", "wheel"), ("E", "pen"), ("A", "shaft")])
 def test_a_new_name_changes_no_motion(old, new):
     text = built_by(*FOUR_BAR, ("force", point("E"), at(30, 0)))
@@ -205,6 +229,8 @@ def test_inches_and_a_scale_are_those_of_the_text():
     {"do": "bar", "on": [at(0, 0, point="nobody"), at(1, 0)]},
     {"do": "bar", "on": [at(0, 0, point="A"), at(0, 0, point="A")]},
     {"do": "driver", "on": [at(0, 0)]},
+    {"do": "spring", "on": [at(0, 0), at(9, 9)]},
+    {"do": "spring", "on": [point("D"), point("E")]},
     {"do": "delete", "on": [at(0, 0, body=3)]},
     {"do": "pivot", "on": [at(0, 0)], "step": "x"},
     {"do": "pivot", "on": [at(0, 0)], "frame": None},

@@ -257,7 +257,7 @@ export class Form {
 }
 
 // The face of a motor: shaft, boss and screws, each [x, y, radius].
-function drawFace(parent, circles) {
+export function drawFace(parent, circles) {
   const size = Math.max(...circles.map(([x, y, r]) => Math.hypot(x, y) + r)) + 1;
   const svg = make(parent, "svg", { class: "face", viewBox: `${-size} ${-size} ${2 * size} ${2 * size}`, "aria-hidden": true });
   for (const [cx, y, r] of circles) make(svg, "circle", { cx, cy: -y, r });

@@ -1,4 +1,5 @@
 // Tools of the stage: a linkage is built, and a wanted path drawn, by clicks and strokes; the server makes each edit.
+import { drawFace } from "./form.js";
 import { make, px } from "../player/shapes.js";
 
 const { hypot, max, min } = Math;
@@ -10,6 +11,8 @@ const ANY = ["point", "body"];
 
 // Tools of recipes that are no linkages themselves.
 const ALWAYS = ["move", "path"];
+// Turns of a drawn spring, and its width, px.
+const COILS = 8, WIDE = 7;
 // Points that are taken of a dropped drawing.
 const SAMPLES = 400;
 
@@ -25,11 +28,22 @@ const TOOLS = {
   lever: ["Lever", "Click a pin that runs in the slot of a lever, and the pivot of the lever.", ["point"], ["point"]],
   trace: ["Traced point", "Click a body, and where its traced point is.", ["body"], []],
   force: ["Force", "Click a point or a body, and the direction of the force.", ANY, []],
+  spring: ["Spring", "Click the two ends: points or bodies; an empty place is on the ground.", ANY, ANY],
   driver: ["Driver", "Click the body that is driven.", ["body"]],
-  delete: ["Delete", "Click a point, a slide or a body.", ["point", "slide", "body"]],
+  motor: ["Motor", "Click the body that a motor drives, and choose the motor.", ["body"]],
+  delete: ["Delete", "Click a point, a slide, a force, a spring or a body.", ["point", "slide", "load", "body"]],
   path: ["Path", "Draw the path that a linkage is to follow, or drop an SVG drawing: known linkages appear, then the search begins."],
   rename: ["Name", "Click a point, a slide or a body, and type its name.", ["point", "slide", "body"]],
 };
+
+// Distance of a place from the line between two, px.
+function apart([u, v], [p, q], [x, y]) {
+  const [a, b] = [p - u, q - v], share = max(0, min(1, ((x - u) * a + (y - v) * b) / (a * a + b * b || 1)));
+  return hypot(u + share * a - x, v + share * b - y);
+}
+
+// The key of the motor in the form.
+const MOTOR = "stock.motor";
 
 export class Tools {
   // editor: player, handles, build(edit), drawPath(points), known(points), announce(text).
@@ -45,6 +59,7 @@ export class Tools {
     this.stated = make(line, "b");
     this.about = make(line, "span");
     this.dialog = document.getElementById("rename-dialog");
+    this.motors = document.getElementById("motor-dialog");
   }
 
   // The layer above the drawing that takes the clicks.
@@ -52,6 +67,7 @@ export class Tools {
     const { handles: { onDrawing: { root: handles } }, player: { drawings: [drawing] } } = this.editor;
     this.drawing = drawing;
     this.layer = make(handles.parentNode, "svg", { class: "tool-layer" });
+    this.coils = make(this.layer, "path", { class: "spring" });
     this.shown = make(this.layer, "g");
     const act = { pointerdown: (event) => this.press(event), pointermove: (event) => this.move(event), pointerup: (event) => this.release(event), pointerleave: () => this.leave() };
     for (const [name, does] of Object.entries(act)) this.layer.addEventListener(name, does);
@@ -63,8 +79,8 @@ export class Tools {
   }
 
   // Shows the tools of a linkage, with what it still lacks; structure: the names of an answer.
-  load({ structure, unfinished }) {
-    Object.assign(this, { structure, clicks: [], stroke: null });
+  load({ structure, unfinished, springs }) {
+    Object.assign(this, { structure, springs, clicks: [], stroke: null });
     if (this.shafts) this.choose("move");
     for (const button of this.buttons) button.hidden = !structure && !ALWAYS.includes(button.dataset.tool);
     this.stated.textContent = unfinished || (structure ? "1 degree of freedom: it moves" : "");
@@ -107,6 +123,29 @@ export class Tools {
 
   show() { this.draw(); }
 
+  // Forces and springs as lines at this frame: { load, label, from, to }, px; load: the key.
+  get loads() {
+    const { handles: { list }, player: { frame } } = this.editor, on = (at) => this.drawing.screen(...at.map((row) => (Array.isArray(row) ? row[frame] : row)));
+    const forces = list.filter(({ id, arrow }) => arrow && /^point:loads\.forces/.test(id)).map(({ id, label, at, arrow }) => {
+      const to = on(at), { s } = this.drawing;
+      return { load: id.slice(6, id.indexOf("]") + 1), label, to, from: [to[0] - s * arrow[0], to[1] + s * arrow[1]] };
+    });
+    return [...forces, ...(this.springs ?? []).map(({ key, label, at, to }) => ({ load: key, label, from: on(at), to: on(to) }))];
+  }
+
+  drawSprings() {
+    let d = "";
+    for (const { load, from: [x, y], to: [u, v] } of this.loads) {
+      const length = hypot(u - x, v - y);
+      if (!load.includes("spring") || !length) continue;
+      const [a, b] = [(u - x) / length, (v - y) / length], at = (share, side) => `${px(x + share * (u - x) - side * b)} ${px(y + share * (v - y) + side * a)}`;
+      d += `M${at(0, 0)}L${at(0.1, 0)}`;
+      for (let k = 0; k < 2 * COILS; k++) d += `L${at(0.1 + 0.8 * (k + 0.5) / (2 * COILS), k % 2 ? WIDE : -WIDE)}`;
+      d += `L${at(0.9, 0)}L${at(1, 0)}`;
+    }
+    this.coils.setAttribute("d", d);
+  }
+
   // --- what is under the pointer -------------------------------------------------------------------------------------
 
   // Positions on the stage, px, of all points that are known at this frame.
@@ -128,13 +167,10 @@ export class Tools {
   }
 
   // Distance of a place from the lines between the points of a body, px.
-  distance(points, places, [x, y]) {
+  distance(points, places, at) {
     const known = points.flatMap((name) => (places.has(name) ? [places.get(name)] : []));
-    const segments = known.length < 2 ? known.map((at) => [at, at]) : known.flatMap((from, k) => known.slice(k + 1).map((to) => [from, to]));
-    return min(Infinity, ...segments.map(([[u, v], [p, q]]) => {
-      const [a, b] = [p - u, q - v], share = max(0, min(1, ((x - u) * a + (y - v) * b) / (a * a + b * b || 1)));
-      return hypot(u + share * a - x, v + share * b - y);
-    }));
+    const segments = known.length < 2 ? known.map((end) => [end, end]) : known.flatMap((from, k) => known.slice(k + 1).map((to) => [from, to]));
+    return min(Infinity, ...segments.map(([from, to]) => apart(from, to, at)));
   }
 
   // What a click at an event means: its place, mm, and the point, slide or body there.
@@ -145,6 +181,8 @@ export class Tools {
     if (point) return { ...click, point };
     const slide = wanted.includes("slide") && this.nearest(slides, places, at, NEAR_POINT);
     if (slide) return { ...click, slide };
+    const load = wanted.includes("load") && this.loads.find(({ from, to }) => apart(from, to, at) < NEAR_BODY);
+    if (load) return { ...click, load: load.load, name: load.label, line: [load.from, load.to] };
     if (!wanted.includes("body")) return click;
     let body = null, least = NEAR_BODY;
     for (const [name, points] of Object.entries(bodies)) {
@@ -258,7 +296,27 @@ export class Tools {
     const { tool, clicks: on } = this;
     this.clicks = [];
     this.pressed = null;
-    if (tool === "rename") this.rename(click.point ?? click.slide ?? click.body); else this.editor.build({ do: tool, on });
+    if (tool === "rename") this.rename(click.point ?? click.slide ?? click.body);
+    else if (tool === "motor") this.chooseMotor(click.body);
+    else if (click.load) { this.editor.set({ [click.load]: null }, click.load); this.editor.close(); }
+    else this.editor.build({ do: tool, on });
+  }
+
+  // Lets a body be driven, and asks for its motor, of the list of the form, by the pictures of their faces.
+  chooseMotor(body) {
+    const { editor, motors } = this, list = motors.querySelector(".faces");
+    if (body !== this.structure.driver) { editor.build({ do: "driver", on: [{ at: [0, 0], body }] }); editor.whenIdle(() => this.chooseMotor(body)); return; }
+    const field = editor.form.fields.get(MOTOR);
+    if (!field) { editor.announce("This body turns on no fixed pivot; choose one that does"); return; }
+    const take = (name) => { motors.close(); editor.set({ [MOTOR]: name }, MOTOR); editor.close(); };
+    list.replaceChildren();
+    for (const name of [null, ...field.choices]) {
+      const button = make(list, "button", { type: "button", "aria-pressed": (editor.values[MOTOR] ?? null) === name });
+      if (name) drawFace(button, field.faces[name]);
+      make(button, "span", {}, name ?? "no motor");
+      button.addEventListener("click", () => take(name));
+    }
+    motors.showModal();
   }
 
   rename(old) {
@@ -277,6 +335,7 @@ export class Tools {
   // Draws what is under the pointer, and the lines from the clicks so far to it.
   draw() {
     if (!this.shown) return;
+    this.drawSprings();
     this.shown.replaceChildren();
     if (this.stroke?.length > 1) make(this.shown, "path", { d: `M${this.stroke.map((at) => this.drawing.screen(...at).map(px)).join("L")}`, class: "stroke" });
     if (this.shafts) { this.drawShafts(); return; }
@@ -291,8 +350,9 @@ export class Tools {
       make(this.shown, "circle", { cx, cy, r: click.point || click.slide ? 9 : 4 });
     }
     if (!hover) return;
-    const name = hover.point ?? hover.slide ?? hover.body, [x, y] = spot(hover).map(px);
+    const name = hover.name ?? hover.point ?? hover.slide ?? hover.body, [x, y] = spot(hover).map(px);
     if (name) make(this.shown, "text", { x, y, dx: 12, dy: -12 }, name.replaceAll("_", " "));
+    if (hover.line) make(this.shown, "path", { d: `M${hover.line.map((at) => at.map(px)).join("L")}`, class: "meant" });
     if (!hover.body) return;
     const corners = this.structure.bodies[hover.body].flatMap((point) => (places.has(point) ? [places.get(point).map(px)] : []));
     if (corners.length > 1) make(this.shown, "path", { d: `M${corners.join("L")}z`, class: "meant" });
