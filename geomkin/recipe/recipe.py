@@ -12,11 +12,10 @@ from typing import Any, ClassVar, Protocol, Self
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
-from ..core.field_visitor import DeclaredField, fields_of
+from ..core.field_visitor import DeclaredField, fields_of, with_lengths
 from ..core.fields import entry, quantity, to_digits
 from ..core.records import record
 from ..core.reprs import moving_picture
-from ..core.scaling import with_lengths
 from ..core.units import Units, in_sentences
 from ..model.check import Check, WorkedFormula
 from ..model.corner_relief import relieved
@@ -27,8 +26,8 @@ from ..model.scene import Candidate, Scene
 from ..model.table import Table
 from ..model.thin_features import ADVICE, beam_checks, thinnest_walls, wall_checks
 from ..plane.vec import Real
+from .aspect import AbstractEdited, AbstractPlaced
 from .printing import PRINT_IN_PLACE, Printing, apply_clearance, gap_check
-from .questions import AbstractEdited, AbstractPlaced
 from .settings import Files, OptimiseTable
 
 # Properties of recipes that hold sentences.
@@ -61,8 +60,7 @@ class _Shared:
     )
     units: Units = entry("unit of all lengths in the recipe, its files and its messages", default="mm")
     optimise: OptimiseTable | None = entry(
-        "what `geomkin optimise` varies, minimises and keeps; `geomkin run` does not use it",
-        default=None,
+        "what `geomkin optimise` varies, minimises and keeps; `geomkin run` does not use it", default=None
     )
     printing: Printing | None = entry(
         "printed parts: the clearance of all that turns or meshes, and the shape of solids", default=None

@@ -26,7 +26,7 @@ from ..model.scene import Scene, SceneCurve, SceneHandle, SceneMark
 from ..model.table import Column, Table
 from ..plane.primitives import Segment
 from ..recipe.keys import edited_text
-from ..recipe.lengths import in_mm
+from ..recipe.load import in_mm
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.toml import parsed
 

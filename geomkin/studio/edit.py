@@ -11,9 +11,8 @@ from typing import Any, NamedTuple, TypeGuard
 import numpy as np
 
 from ..build import errors_named_by_key
-from ..core.dotted_keys import key_parts
 from ..core.errors import DesignError, GeomkinError, Problem, RecipeError, harmless, printable, shown
-from ..core.field_visitor import Number
+from ..core.field_visitor import Number, key_parts
 from ..core.fields import FARTHEST
 from ..core.units import MM, UNITS
 from ..export.still import kept_frames
@@ -25,8 +24,7 @@ from ..model.scene import SceneHandle
 from ..page.page import scene_data
 from ..plane.vec import Array, Complex, Real
 from ..recipe.keys import edited_text, with_added, with_values
-from ..recipe.lengths import shown_numbers
-from ..recipe.load import from_table, whole_table
+from ..recipe.load import from_table, shown_numbers, whole_table
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.shown import ShownRecipe
 from ..recipe.toml import parsed
