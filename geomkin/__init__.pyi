@@ -72,7 +72,7 @@ from .core.errors import (
 from .core.errors import (
     RecipeError as RecipeError,
 )
-from .core.scaling import scaled as scaled
+from .core.field_visitor import scaled as scaled
 from .gear.conjugate.conjugate import conjugate as conjugate
 from .gear.pair import GearPair as GearPair
 from .gear.ring import RingGear as RingGear

@@ -130,10 +130,7 @@ def load(source: Readable) -> AbstractRecipe:
 
 @checked
 def make(
-    recipe: AbstractRecipe | Readable,
-    out: PathName = "out",
-    only: Sequence[Format] | None = None,
-    strict: bool = False,
+    recipe: AbstractRecipe | Readable, out: PathName = "out", only: Sequence[Format] | None = None, strict: bool = False
 ) -> Made:
     """Write the files of a recipe to the folder `out`/<name>/.
 

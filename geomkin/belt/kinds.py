@@ -17,15 +17,7 @@ from ..core.fields import FARTHEST, entry, quantity, rounded_down, to_digits
 from ..core.records import record
 from ..core.units import UNITS, mm
 from ..making.assembly import BaseStock
-from ..making.motors import (
-    MOTORS,
-    MotorKey,
-    motor_check,
-    motor_entry,
-    motor_summary,
-    nearest_motor,
-    smallest_motor,
-)
+from ..making.motors import MOTORS, MotorKey, motor_check, motor_entry, motor_summary, nearest_motor, smallest_motor
 from ..model.check import Check, WorkedFormula
 from ..model.motor import RPM, Motor, MotorDuty, RotatingBody
 from ..model.scene import Scene, SceneHandle, SceneMark, circle_handle, drawn_at, point_handle

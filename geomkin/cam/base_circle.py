@@ -13,7 +13,6 @@ from ..core.errors import DesignError
 from ..core.records import record
 from ..plane.vec import Mask, Real
 from .cam import Cam, Direction, check_lifts, turning_sense
-from .followers.flat import TranslatingFlat
 from .followers.follower import AbstractFollower, Follower
 from .program.extrema import exceeds, largest, samples
 from .program.program import FollowerMotion, Program
@@ -142,31 +141,6 @@ def least_base_circle(
     else:
         radius, limit, angle = low, "reach" if low else "nothing", np.nan
     return _without_crossings(follower, program, direction, BaseCircle(radius, upper, limit, angle), scale)
-
-
-@checked
-def flat_face_base_radius(program: Program, least_radius: float = 0.0, tilt_deg: float = 0.0) -> float:
-    """Least base radius of a cam with a translating flat face, for a given least radius of curvature.
-
-    Parameters
-    ----------
-    program : Program
-        The lift over one turn, mm.
-    least_radius : float, optional
-        Least radius of curvature of the profile, mm.
-    tilt_deg : float, optional
-        Angle of the face from the x axis, deg.
-
-    Returns
-    -------
-    float
-        The radius, mm: exactly least_radius - min(s + s'') cos(tilt). If it is negative, every base radius is valid.
-
-    Notes
-    -----
-    Rothbart, Cams (1956), flat-faced follower; the tilted face is derived here.
-    """
-    return TranslatingFlat(tilt_deg).least_base_radius(program, least_radius)
 
 
 # Violation of a rule at each cam angle of a motion, for a base radius in mm; above 0 if the rule is broken.

@@ -26,7 +26,7 @@ from ..making.bores import AbstractBored, bore, fits_of, shaft
 from ..making.materials import STEEL_DENSITY
 from ..making.motors import MountedMotorKey
 from ..model.material import Mass
-from ..model.part import Bought, HoleFit, Part
+from ..model.part import HoleFit, Part
 from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
 from ..plane.primitives import Arc, Circle, Polyline, Segment
@@ -338,32 +338,6 @@ def pin_masses(
             mass = Mass(STEEL_DENSITY * 1e-9 * volume, hole.centre)
             masses[plate.name] = masses[plate.name] + mass if plate.name in masses else mass
     return masses
-
-
-@checked
-def cam_bought(cam: Cam, stock: CamStock = CamStock(), base: BaseStock | None = None) -> tuple[Bought, ...]:
-    """The items to buy: shaft and key of the cam, pins of its follower, collars, and screws and feet of the base.
-
-    Parameters
-    ----------
-    cam : Cam
-        The cam and its follower.
-    stock : CamStock, optional
-        Sheet, bores and bars, as for `cam_parts`.
-    base : BaseStock, optional
-        Base plate, as for `cam_parts`.
-
-    Returns
-    -------
-    tuple of Bought
-        Joints are named by the letters at their holes if there is a base, otherwise by the names of parts. A shaft or
-        pin is as long as all plates, gaps and collars on it. Bearings are not included.
-
-    Notes
-    -----
-    Derived here.
-    """
-    return cam_assembly(cam, stock, base).bought
 
 
 def cam_assembly(cam: Cam, stock: CamStock, base: BaseStock | None, snaps: bool = False) -> Assembly:

@@ -55,11 +55,7 @@ PLOTS = {
 
 @checked
 def cam_scene(
-    cam: Cam,
-    table: Table,
-    parts: Sequence[Part] = (),
-    cut: Undercut | None = None,
-    limits: Sequence[Limit] = (),
+    cam: Cam, table: Table, parts: Sequence[Part] = (), cut: Undercut | None = None, limits: Sequence[Limit] = ()
 ) -> Scene:
     """The scene of a cam that turns under its follower.
 

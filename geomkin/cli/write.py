@@ -187,8 +187,8 @@ def sweep_command(recipe: Path, settings: tuple[str, ...], results: tuple[str, .
     Writes a table and a page, OUT/<recipe>/<recipe>.sweep.csv and .html. A sweep that was stopped continues with
     the same command.
     """
-    from ..core.dotted_keys import texts_by_key
     from ..core.errors import harmless, printable
+    from ..core.field_visitor import texts_by_key
     from ..core.processes import by_processes
     from ..sweeps.sweep import swept
 

@@ -1,9 +1,10 @@
-"""One visitor of fields: what a dataclass declares, and the numbers in it or in the table from which it is read."""
+"""One visitor of fields: what a dataclass declares, and its numbers: by dotted key, changed, and in another size."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import MISSING
 from functools import cache, cached_property
 from types import NoneType, UnionType
@@ -11,7 +12,9 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args
 
 import numpy as np
 
-from .arguments import ArgumentType, point_of
+from .arguments import ArgumentType, between, checked, point_of
+from .errors import DesignError, shown
+from .units import length_power, marked
 
 T = TypeVar("T")
 # The field of a dataclass that a recipe writes as the list of its rows, such as a motion program.
@@ -262,8 +265,6 @@ def with_numbers(
         numbers are to be visited.
     table : type, optional
         The class that is read from a mapping.
-    path : str
-        Key of `thing`, with which all keys begin.
     """
     changed: T = _Visit(change, enter).table(thing, table or type(thing), path)
     return changed
@@ -333,3 +334,125 @@ class _Visit(NamedTuple):
         tables, given = shape.tables, value.get("kind")
         table = next((table for table in tables if kind_of(table) == given), tables[0] if tables else None)
         return self.table(value, table, key) if table else value
+
+
+# One part of a key: the position of an item of a list, or a name.
+PART = re.compile(r"\[(\d+)\]|([^.\[\]]+)")
+
+
+def numbers_in(thing: Any) -> list[Number]:
+    """All numbers of a dataclass and of those inside it, in the order of its fields.
+
+    Parameters
+    ----------
+    thing : dataclass
+        A recipe or a part of one.
+
+    Returns
+    -------
+    list of Number
+        Without those of recipes in files of their own.
+    """
+    numbers: list[Number] = []
+
+    def listed(number: Number) -> Any:
+        numbers.extend([number] if isinstance(number.value, (int, float)) else [])
+        return number.value
+
+    with_numbers(thing, listed, lambda inner, key: inner if getattr(inner, "is_in_own_file", False) else None)
+    return numbers
+
+
+def with_number(thing: T, key: str, value: float) -> T:
+    """A dataclass with another value of the number under a key, relative to the dataclass.
+
+    Raises
+    ------
+    DesignError
+        If the dataclass refuses the value.
+    """
+    return with_numbers(thing, lambda number: value if number.key == key else number.value)
+
+
+def key_parts(key: str) -> list[str | int]:
+    """The parts of a dotted key: names, and positions of items of lists, from 0."""
+    return [int(item) if item else name for item, name in PART.findall(key)]
+
+
+def texts_by_key(field: str, texts: Iterable[str], form: str) -> dict[str, str]:
+    """Split texts of the form KEY=TEXT; DesignError for `field` if a part is missing or a key is given twice."""
+    by_key: dict[str, str] = {}
+    for text in texts:
+        key, _, value = (part.strip() for part in text.partition("="))
+        if not key or not value:
+            raise DesignError(field, f"found {shown(text)}", f"give {form}", "wrong-type")
+        if key in by_key:
+            raise DesignError(field, f"{shown(key)} is given twice", f"give {form} once for each key", "conflict")
+        by_key[key] = value
+    return by_key
+
+
+# Beyond this range every mechanism leaves the range of permitted sizes.
+Scale = Annotated[float, between(1e-6, 1e6)]
+
+
+@checked
+def scaled(thing: T, scale: Scale) -> T:
+    """A linkage or cam, or a recipe of one, in another size.
+
+    Angles, times, masses and numbers of turns stay.
+
+    Parameters
+    ----------
+    thing : a linkage, a cam, or a recipe of either
+        In a recipe every length of the mechanism, of its stroke and of a goal is multiplied; `stock` with its screws
+        and motor, `base` and `files` stay. Points and lifts that are read from a file are multiplied, and are then
+        written in the recipe itself. A slide keeps its times: its speed and acceleration are multiplied. A cam's lifts
+        in degrees stay.
+    scale : float
+        From 1e-6 to 1e6; lengths are multiplied by it, 1/mm is divided by it, kg mm multiplied.
+
+    Returns
+    -------
+    The same type.
+
+    Raises
+    ------
+    DesignError
+        If the thing cannot be scaled, or a length leaves its range.
+
+    See Also
+    --------
+    load, edit
+
+    Examples
+    --------
+    >>> import geomkin as gk
+    >>> gk.scaled(gk.FourBar(100, 30, 90, 70), 0.5)
+    FourBar(ground=50.0, crank=15.0, coupler=45.0, rocker=35.0)
+    """
+    if not getattr(thing, "can_be_scaled", False) or isinstance(thing, type):
+        raise DesignError(
+            "thing", f"found {type(thing).__name__}", "give a linkage, a cam, or a recipe of either", "wrong-type"
+        )
+    if scale == 1:
+        return thing
+    try:
+        result: T = thing.at_scale(scale) if hasattr(thing, "at_scale") else with_lengths(thing, scale)
+    except DesignError as error:
+        problem = f"found {scale:g}, with which {error.field}: {marked(error.problem)}"
+        raise DesignError("scale", problem, error.remedy, error.id) from None
+    return result
+
+
+def with_lengths(thing: Any, scale: float, but: Collection[str] = ()) -> Any:
+    """A dataclass whose fields are multiplied as their declarations require. but: names of tables that stay."""
+
+    def multiplied(number: Number) -> Any:
+        power = length_power(number.unit)
+        return number.value * scale**power if power else number.value
+
+    def inside(inner: Any, key: str) -> Any:
+        return inner if key in but else inner.at_scale(scale) if hasattr(inner, "at_scale") else None
+
+    return with_numbers(thing, multiplied, inside)

@@ -110,9 +110,9 @@ def mm(*numbers: Any, unit: str = "mm", between: str = ", ") -> InText:
     return InText(numbers, unit, converted_power(unit), between)
 
 
-def bare_mm(*numbers: Any, power: int = 1, between: str = ", ") -> InText:
+def bare_mm(*numbers: Any, power: int = 1) -> InText:
     """The same without the unit, which another place of the sentence states."""
-    return InText(numbers, "", power, between)
+    return InText(numbers, "", power, ", ")
 
 
 def unit_name(unit: str = "mm") -> str:

@@ -26,10 +26,7 @@ def side_angles(gear: AbstractInvoluteGear) -> tuple[Real, Real]:
 
 
 def tip_margins(
-    gear: AbstractInvoluteGear,
-    mate: AbstractInvoluteGear,
-    distance: float,
-    poses: Callable[[Real], tuple[Pose, Pose]],
+    gear: AbstractInvoluteGear, mate: AbstractInvoluteGear, distance: float, poses: Callable[[Real], tuple[Pose, Pose]]
 ) -> tuple[float, float]:
     """Least distances of a gear's tip edges from the roots and from the flanks of its mate; negative inside the teeth.
 

@@ -288,12 +288,7 @@ def tooth_table(gear: AbstractInvoluteGear, tolerance: PositiveFloat) -> Table:
             Column("radius", "mm", "distance from the gear's axis", np.abs(z)),
             *xy_columns("tooth", "mm", "right-hand side of the tooth centred on +y", z),
             Column("half_thickness_angle", "deg", "angle from the tooth's centre line", half),
-            Column(
-                "region",
-                "",
-                "region of the tooth",
-                np.repeat(list(sides), [len(side) for side in chords]),
-            ),
+            Column("region", "", "region of the tooth", np.repeat(list(sides), [len(side) for side in chords])),
         )
     )
 
@@ -335,12 +330,7 @@ def contact_table(pair: GearPair | RackPair) -> Table:
     count = ((other >= start - 1e-9) & (other <= end + 1e-9)).sum(axis=1)
     return Table(
         (
-            Column(
-                f"{names[0]}_turn",
-                "deg",
-                f"rotation of the {names[0]} since contact at the pitch point",
-                turn,
-            ),
+            Column(f"{names[0]}_turn", "deg", f"rotation of the {names[0]} since contact at the pitch point", turn),
             Column("along", "mm", f"contact on the line of action, from the base circle of the {names[0]}", along),
             Column(
                 f"{names[0]}_radius",

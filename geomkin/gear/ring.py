@@ -321,9 +321,7 @@ class RingGear(AbstractInvoluteGear):
         tooth, z, z0 = self.tooth, self.teeth, self.cutter.teeth
         if z <= z0:
             raise DesignError(
-                "teeth",
-                f"found {z}, but the cutter has {z0}",
-                f"give at least {z0 + 1}, or a smaller cutter",
+                "teeth", f"found {z}, but the cutter has {z0}", f"give at least {z0 + 1}, or a smaller cutter"
             )
         if tooth.feed.working_involute < 0:
             raise DesignError(

@@ -7,9 +7,8 @@ from itertools import groupby
 
 import numpy as np
 
-from ..core.dotted_keys import numbers_in, with_number
 from ..core.errors import DesignError
-from ..core.field_visitor import Number
+from ..core.field_visitor import Number, numbers_in, with_number
 from ..core.fields import to_digits
 from ..core.units import unit_name
 from ..model.scene import Plot, SceneHandle, point_handle

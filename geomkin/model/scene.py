@@ -371,10 +371,7 @@ class Scene:
 
     def __post_init__(self) -> None:
         frames = len(self.drive.values)
-        rows: list[tuple[str, Array]] = [
-            ("time", self.time),
-            ("time and assembled", self.assembled),
-        ]
+        rows: list[tuple[str, Array]] = [("time", self.time), ("time and assembled", self.assembled)]
         rows += [(f"the variant {label}", other.time) for label, other in self.others.items()]
         rows += [(f"body {b.name}", row) for b in self.bodies for row in (b.origin, b.direction)]
         rows += [

@@ -15,8 +15,8 @@ import numpy as np
 
 from ..build import Readable, valid_recipe_name
 from ..core.arguments import ArgumentType, PositiveFloat, checked, is_real, whole_between
-from ..core.dotted_keys import key_parts, texts_by_key
 from ..core.errors import DesignError, printable, shown
+from ..core.field_visitor import key_parts, texts_by_key
 from ..core.names import PathName
 from ..core.processes import Runner, by
 from ..core.processes import report as report_progress
@@ -24,8 +24,7 @@ from ..core.records import record
 from ..export.files import write_whole
 from ..model.check import Check
 from ..recipe.keys import VariedRecipe, varied
-from ..recipe.lengths import shown_numbers
-from ..recipe.load import to_toml
+from ..recipe.load import shown_numbers, to_toml
 from ..recipe.recipe import AbstractRecipe
 from .designs import NO_VIOLATION, Target, Trials, TriedDesign, objective, parsed_constraint
 from .front import MOST_OBJECTIVES, FrontDesign, ParetoFront, front_of, write_front

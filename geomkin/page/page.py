@@ -30,7 +30,6 @@ from ..model.scene import ROLES, Plot, Role, Scene, SceneBody, SceneCurve, Scene
 from ..model.table import Column, significant
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Array, Complex, Real, Whole
-from . import player
 from .sections import all_of, picture_address, verdict
 
 # Digits of positions, counted from the scene's size. With fewer, plates tremble from frame to frame on a large screen;
@@ -129,10 +128,7 @@ class _Encoder:
                 for column in columns
             ],
             "plots": [
-                {
-                    "title": harmless(plot.title),
-                    "columns": [ids.index(id) for id in plot.columns if id in ids],
-                }
+                {"title": harmless(plot.title), "columns": [ids.index(id) for id in plot.columns if id in ids]}
                 | (
                     {"limits": [[float(limit.value), harmless(limit.label)] for limit in plot.limits]}
                     if plot.limits
@@ -334,7 +330,7 @@ def _inlined(source: str) -> str:
 
 def player_file(name: str) -> str:
     """The text of a file of the player."""
-    return files(player).joinpath(name).read_text("utf-8").strip()
+    return files(__package__).joinpath("player", name).read_text("utf-8").strip()
 
 
 def colours() -> str:

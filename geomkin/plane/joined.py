@@ -311,13 +311,7 @@ def _slopes(h: Real, slope: Complex) -> Complex:
         return np.array([slope[0], slope[0]])
     if n == 3:
         half = (slope[1] - slope[0]) / (h[0] + h[1])
-        return np.array(
-            [
-                slope[0] - h[0] * half,
-                slope[0] + h[0] * half,
-                slope[1] + h[1] * half,
-            ]
-        )
+        return np.array([slope[0] - h[0] * half, slope[0] + h[0] * half, slope[1] + h[1] * half])
     below, diagonal, above = np.zeros(n), np.zeros(n), np.zeros(n)
     right: Complex = np.zeros(n, dtype=complex)
     below[1:-1], diagonal[1:-1], above[1:-1] = h[1:], 2 * (h[:-1] + h[1:]), h[:-1]

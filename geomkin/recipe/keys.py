@@ -12,8 +12,8 @@ import tomlkit
 from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT
 
-from ..core.dotted_keys import key_parts
 from ..core.errors import DesignError, RecipeError, shown
+from ..core.field_visitor import key_parts
 from ..core.records import record
 from .load import from_table, to_toml
 from .recipe import AbstractRecipe

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import is_dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..core.arguments import checked
 from ..core.errors import DesignError, Problem, ProblemId, RecipeError, printable, shown
-from ..core.field_visitor import ROWS, WrittenForm, fields_of
+from ..core.field_visitor import ROWS, Number, WrittenForm, fields_of, names_mm, numbers_in, scaled, with_numbers
 from ..core.fields import FARTHEST, quantity
 from ..core.names import Folder, read_text_file
 from ..core.records import record
-from ..core.scaling import scaled
 from ..core.units import MM, UNITS, LengthUnit, marked, mm
 from .kinds import kind_names, recipe_class
-from .lengths import in_mm, shown_problem
-from .messages import did_you_mean
+from .messages import did_you_mean, field_of
 from .printing import growth
 from .reader import read_table
 from .recipe import FITS, AbstractRecipe, is_stock
@@ -196,7 +196,6 @@ def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = "
     unit = UNITS.get(str(data.get("units")), MM)
     if unit is not MM:
         # Imported only if needed, as the messages are.
-        from .lengths import in_mm
 
         data = in_mm(data, kind, unit)
     if "workshop" in data:
@@ -220,7 +219,6 @@ def in_unit(problems: list[Problem], kind: type, unit: LengthUnit) -> list[Probl
     """The problems with their lengths in the unit of the recipe."""
     if unit is MM:
         return problems
-    from .lengths import shown_problem
 
     return [shown_problem(problem, kind, unit) for problem in problems]
 
@@ -260,7 +258,6 @@ def whole_table(recipe: AbstractRecipe, has_inner_defaults: bool = True) -> dict
     table = _plain_fields(recipe, whole_table if has_inner_defaults else short_table)
     if UNITS[recipe.units] is MM:
         return table
-    from .lengths import from_mm
 
     return from_mm(table, type(recipe), UNITS[recipe.units])
 
@@ -326,3 +323,51 @@ def table_lines(path: str, table: dict[str, Any], depth: int = 0) -> list[str]:
         else:
             plain.append(f"{toml_key(key)} = {toml_value(value)}")
     return [*plain, *tables]
+
+
+# Larger numbers are refused anyway, and may overflow.
+LARGEST_LENGTH = 1e300
+
+
+def in_mm(table: Mapping[str, Any], kind: type, unit: LengthUnit) -> dict[str, Any]:
+    """The table of a recipe in this unit with all lengths in mm; recipes in it get the unit, unless they state one."""
+    return _converted(table, kind, unit.in_mm, lambda inner: {"units": unit.name, **inner})
+
+
+def from_mm(table: Mapping[str, Any], kind: type, unit: LengthUnit) -> dict[str, Any]:
+    """The reverse; recipes in the table are already in this unit, which they need not state."""
+
+    def inner_recipe(inner: Mapping[str, Any]) -> dict[str, Any]:
+        return {key: value for key, value in inner.items() if key != "units"}
+
+    return _converted(table, kind, unit.in_digits, inner_recipe)
+
+
+def _converted(
+    table: Mapping[str, Any], kind: type, convert: Callable[[float, str], float], inner: Callable[[Any], Any]
+) -> dict[str, Any]:
+    def change(number: Number) -> Any:
+        value = float(number.value) if isinstance(number.value, np.number) else number.value
+        if isinstance(value, np.ndarray):
+            return value  # Refused when the table is read.
+        is_kept = names_mm(number.declared.name) or not abs(value) < LARGEST_LENGTH
+        return value if is_kept else convert(value, number.unit)
+
+    return dict(with_numbers(table, change, lambda recipe, key: inner(recipe), kind))
+
+
+def shown_numbers(recipe: AbstractRecipe) -> Iterator[Number]:
+    """All numbers of a recipe in its unit of length."""
+    unit = UNITS[recipe.units]
+    for number in numbers_in(recipe):
+        is_kept = unit is MM or names_mm(number.declared.name)
+        yield number if is_kept else number._replace(value=unit.in_digits(number.value, number.unit))
+
+
+def shown_problem(problem: Problem, recipe: type, unit: LengthUnit) -> Problem:
+    """A problem of a recipe with its lengths in the recipe's unit."""
+    declared = field_of(problem.key, recipe)
+    value = problem.value
+    if value is not None and declared is not None and declared.is_length:
+        value = unit.in_digits(value, "mm")
+    return replace(problem, problem=unit.text(problem.problem), remedy=unit.text(problem.remedy), value=value)

@@ -7,9 +7,8 @@ from collections.abc import Iterable
 from difflib import SequenceMatcher
 from typing import Any
 
-from ..core.dotted_keys import key_parts
 from ..core.errors import Problem, printable
-from ..core.field_visitor import DeclaredField, fields_of, kind_of
+from ..core.field_visitor import DeclaredField, fields_of, key_parts, kind_of
 from ..core.fields import allowed
 from ..core.units import PLURAL, marked, unit_name
 

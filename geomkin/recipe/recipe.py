@@ -12,11 +12,10 @@ from typing import Any, ClassVar, Protocol, Self
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
-from ..core.field_visitor import DeclaredField, fields_of
+from ..core.field_visitor import DeclaredField, fields_of, with_lengths
 from ..core.fields import entry, quantity, to_digits
 from ..core.records import record
 from ..core.reprs import moving_picture
-from ..core.scaling import with_lengths
 from ..core.units import Units, in_sentences
 from ..model.check import Check, WorkedFormula
 from ..model.corner_relief import relieved
@@ -61,8 +60,7 @@ class _Shared:
     )
     units: Units = entry("unit of all lengths in the recipe, its files and its messages", default="mm")
     optimise: OptimiseTable | None = entry(
-        "what `geomkin optimise` varies, minimises and keeps; `geomkin run` does not use it",
-        default=None,
+        "what `geomkin optimise` varies, minimises and keeps; `geomkin run` does not use it", default=None
     )
     printing: Printing | None = entry(
         "printed parts: the clearance of all that turns or meshes, and the shape of solids", default=None

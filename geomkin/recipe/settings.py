@@ -9,14 +9,7 @@ import numpy as np
 from ..core.arguments import ArgumentType, between
 from ..core.errors import DesignError
 from ..core.field_visitor import WrittenForm
-from ..core.fields import (
-    FARTHEST,
-    WIDEST,
-    ComplexPoint,
-    entry,
-    quantity,
-    rounded_up,
-)
+from ..core.fields import FARTHEST, WIDEST, ComplexPoint, entry, quantity, rounded_up
 from ..core.records import record
 from ..core.units import bare_mm, mm
 from ..export.cut import LayerStyles

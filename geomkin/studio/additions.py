@@ -7,12 +7,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import islice, product
 from typing import Any
 
-from ..core.dotted_keys import key_parts
 from ..core.errors import DesignError, GeomkinError, RecipeError, shown
-from ..core.field_visitor import ROWS, DeclaredField, fields_of, kind_of
+from ..core.field_visitor import ROWS, DeclaredField, fields_of, key_parts, kind_of
 from ..core.units import MM, UNITS
-from ..recipe.lengths import from_mm, shown_numbers
-from ..recipe.load import plain_value
+from ..recipe.load import from_mm, plain_value, shown_numbers
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.template import example
 

@@ -20,7 +20,7 @@ from ..linkage.linkage import Linkage
 from ..linkage.motion import Motion
 from ..linkage.moving import move
 from ..recipe.keys import edited_text
-from ..recipe.lengths import from_mm
+from ..recipe.load import from_mm
 from .clicks import EDITS, Clicks, are_clicks, with_driver
 from .drafts import Draft
 from .structure import MOST_BODIES, Points, Structure, structure_at, unfinished

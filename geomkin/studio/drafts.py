@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from ..core.dotted_keys import key_parts
 from ..core.errors import GeomkinError
+from ..core.field_visitor import key_parts
 from ..core.units import UNITS, LengthUnit
 from ..recipe.keys import edited_text
 from ..recipe.load import from_table, whole_table

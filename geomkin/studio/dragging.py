@@ -17,7 +17,7 @@ from ..export.still import kept_frames
 from ..model.scene import SceneHandle
 from ..plane.vec import Array, Real
 from ..recipe.keys import edited_text, with_values
-from ..recipe.lengths import shown_numbers
+from ..recipe.load import shown_numbers
 from ..recipe.recipe import AbstractRecipe
 from .building import moved
 from .drafts import Draft

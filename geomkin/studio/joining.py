@@ -13,7 +13,7 @@ from ..core.units import MM, UNITS
 from ..machine.kinds import MachineRecipe
 from ..recipe.keys import edited_text
 from ..recipe.kinds import recipe_class
-from ..recipe.lengths import from_mm
+from ..recipe.load import from_mm
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.template import template
 from ..recipe.toml import parsed

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..core.dotted_keys import numbers_in, with_number
 from ..core.errors import DesignError, shown
-from ..core.field_visitor import Number
+from ..core.field_visitor import Number, numbers_in, with_number
 from ..core.fields import FARTHEST, to_digits
 from ..linkage.linkage import AbstractLinkage, Linkage
 from ..linkage.scene import link_distances

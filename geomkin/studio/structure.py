@@ -20,7 +20,7 @@ from ..linkage.kinds.moved import BodyList, TriangleCorner, with_corners
 from ..model.scene import Scene, SceneCurve, SceneHandle, SceneMark
 from ..model.table import Column, Table
 from ..plane.primitives import Segment
-from ..recipe.lengths import in_mm
+from ..recipe.load import in_mm
 
 # The sheet on which an unfinished linkage is drawn, mm: its lower left and upper right corner.
 SHEET = (-120 - 80j, 120 + 80j)

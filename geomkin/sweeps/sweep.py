@@ -430,10 +430,7 @@ def swept(
     if out is None:
         return result
     folder = Path(out) / name
-    contents = {
-        f"{name}{ENDING}.csv": csv(result.table, "inf"),
-        f"{name}{ENDING}.html": sweep_page(name, keyed, rows),
-    }
+    contents = {f"{name}{ENDING}.csv": csv(result.table, "inf"), f"{name}{ENDING}.html": sweep_page(name, keyed, rows)}
     write_whole(folder, contents)
     return replace(result, files={folder / file: len(content) for file, content in contents.items()})
 

@@ -407,12 +407,7 @@ def _threemf(path: Path, expected: Expected) -> Content:
 
 
 # Readers by format; files of other formats must be those made again.
-READERS: Mapping[str, Callable[[Path, Expected], Content]] = {
-    "dxf": _dxf,
-    "svg": _svg,
-    "stl": _stl,
-    "3mf": _threemf,
-}
+READERS: Mapping[str, Callable[[Path, Expected], Content]] = {"dxf": _dxf, "svg": _svg, "stl": _stl, "3mf": _threemf}
 # Formats with the results of the certificate.
 REPORTS: tuple[Format, ...] = ("report", "report-md")
 # Formats that a beam cuts.

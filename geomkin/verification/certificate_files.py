@@ -110,12 +110,7 @@ def _box(points: Complex) -> tuple[complex, complex]:
 
 
 def _svg(
-    label: str,
-    middle: complex,
-    half: float,
-    drawn: Sequence[tuple[str, Sequence[Outline]]],
-    place: complex,
-    r: float,
+    label: str, middle: complex, half: float, drawn: Sequence[tuple[str, Sequence[Outline]]], place: complex, r: float
 ) -> str:
     """A square picture about a point. Coordinates are relative to the point, so that close-ups keep their digits."""
     scale = WIDE / (2 * half)

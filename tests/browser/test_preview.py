@@ -9,8 +9,7 @@ import pytest
 import geomkin as gk
 from geomkin.core.errors import GeomkinError
 from geomkin.recipe.keys import with_values
-from geomkin.recipe.lengths import shown_numbers
-from geomkin.recipe.load import from_table
+from geomkin.recipe.load import from_table, shown_numbers
 from geomkin.recipe.recipe import AbstractGoal
 from geomkin.recipe.toml import parsed
 from tests.browser.test_editor import FOUR_BAR, centre, drag, settle, studio, value  # noqa: F401  a fixture

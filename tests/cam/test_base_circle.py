@@ -5,7 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.cam import base_circle
-from geomkin.cam.base_circle import flat_face_base_radius, least_base_circle
+from geomkin.cam.base_circle import least_base_circle
 from geomkin.cam.checks import segment_limits, tightest_convex
 from geomkin.cam.followers.flat import OscillatingFlat, TranslatingFlat
 from geomkin.cam.followers.roller import OscillatingRoller, TranslatingRoller
@@ -119,13 +119,13 @@ def test_least_base_radius_of_a_flat_face_has_its_closed_form():
     motion = LIFTS.motion(np.linspace(np.radians(150), np.radians(154), 50_001))
     least = (motion.lift + motion.acceleration).min()
     assert least == pytest.approx(-7.835302, abs=5e-7)
-    assert flat_face_base_radius(LIFTS) == pytest.approx(-least, abs=1e-11)
-    assert flat_face_base_radius(LIFTS, least_radius=3) == pytest.approx(3 - least, abs=1e-11)
+    assert TranslatingFlat().least_base_radius(LIFTS, 0) == pytest.approx(-least, abs=1e-11)
+    assert TranslatingFlat().least_base_radius(LIFTS, 3) == pytest.approx(3 - least, abs=1e-11)
     found = least_base_circle(TranslatingFlat(), LIFTS)
-    assert found.radius == flat_face_base_radius(LIFTS) and found.limit == "undercut"
+    assert found.radius == TranslatingFlat().least_base_radius(LIFTS, 0) and found.limit == "undercut"
     # What the face carries is the whole lift, what the cam sees of it the part along its normal.
     cosine = np.cos(np.radians(25))
-    assert flat_face_base_radius(LIFTS, tilt_deg=25) == pytest.approx(-least * cosine, abs=1e-11)
+    assert TranslatingFlat(25).least_base_radius(LIFTS, 0) == pytest.approx(-least * cosine, abs=1e-11)
 
 
 def test_an_arm_that_would_lean_too_much_on_any_cam_is_refused():

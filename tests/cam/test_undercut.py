@@ -97,11 +97,9 @@ def test_undercut_is_found_from_the_first_and_grows_with_the_square():
 
 
 def test_a_flat_face_cuts_from_its_least_base_radius_on():
-    from geomkin.cam.base_circle import flat_face_base_radius
-
     program = programme(20, ends=(60, 150, 170, 280))
     for tilt in (0, 20):
-        least = flat_face_base_radius(program, 0, tilt)
+        least = TranslatingFlat(tilt).least_base_radius(program, 0)
         for e in (-1e-2, -1e-5, -1e-9, 1e-12, 1e-6):
             cam = gk.Cam(TranslatingFlat(tilt), program, least * (1 + e))
             assert undercut(cam).found == (e < 0) == bool((segment_limits(cam).convex_radius <= 0).any())

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.dotted_keys import numbers_in
 from geomkin.core.errors import RecipeError
+from geomkin.core.field_visitor import numbers_in
 from geomkin.model.explanations import check_entry
 from geomkin.recipe.kinds import kind_names, recipe_class
 from geomkin.recipe.load import from_table

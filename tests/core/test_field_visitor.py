@@ -7,8 +7,7 @@ from typing import Literal
 import pytest
 
 import geomkin as gk
-from geomkin.core.dotted_keys import key_parts, numbers_in, with_number
-from geomkin.core.field_visitor import fields_of, with_numbers
+from geomkin.core.field_visitor import fields_of, key_parts, numbers_in, with_number, with_numbers
 from geomkin.core.fields import ComplexPoint, Rows, entry, quantity
 from geomkin.core.records import record
 from geomkin.recipe.load import whole_table

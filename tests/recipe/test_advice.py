@@ -9,7 +9,7 @@ import geomkin as gk
 from geomkin.build import errors_named_by_key
 from geomkin.recipe.keys import varied
 from geomkin.recipe.kinds import kind_names
-from geomkin.recipe.lengths import shown_numbers
+from geomkin.recipe.load import shown_numbers
 from geomkin.recipe.shown import ShownRecipe
 from tests.texts import template_of
 

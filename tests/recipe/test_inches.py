@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.dotted_keys import key_parts, numbers_in
+from geomkin.core.field_visitor import key_parts, numbers_in
 from geomkin.core.units import END, IN, MARK, NEXT, START, UNITS, Sentence, bare_mm, marked, mm
 from geomkin.model.scene import drawn_at
 from geomkin.recipe.keys import with_values

@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 
 import geomkin as gk
-from geomkin.core.dotted_keys import numbers_in
+from geomkin.core.field_visitor import numbers_in
 from geomkin.recipe.keys import edited_text
 from geomkin.studio.service import Studio
 from geomkin.studio.workspace import Workspace

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.core.dotted_keys import numbers_in
+from geomkin.core.field_visitor import numbers_in
 from geomkin.studio.edit import answer
 
 RECIPES = sorted(Path("recipes").glob("*.toml"))

@@ -80,11 +80,7 @@ class AbstractFace(AbstractFollower):
 
 
 def on_face(
-    normal: Complex,
-    distance: tuple[Real, Real, Real],
-    normal_rate: tuple[Real, Real],
-    pressure_angle: Real,
-    sense: int,
+    normal: Complex, distance: tuple[Real, Real, Real], normal_rate: tuple[Real, Real], pressure_angle: Real, sense: int
 ) -> Contact:
     """Contact of a flat face.
 

@@ -353,10 +353,7 @@ class AbstractFollower(ABC):
 # Field type of a cam's follower; a recipe selects the class by its `kind`.
 Follower = Annotated[
     AbstractFollower,
-    ArgumentType(
-        lambda value: isinstance(value, AbstractFollower),
-        "a follower, such as TranslatingRoller",
-    ),
+    ArgumentType(lambda value: isinstance(value, AbstractFollower), "a follower, such as TranslatingRoller"),
 ]
 
 

@@ -23,14 +23,7 @@ from ...plane.vec import Real
 
 Law = Callable[[Real], Real]
 LawName = Literal[
-    "uniform",
-    "parabolic",
-    "harmonic",
-    "cycloidal",
-    "modified-trapezoid",
-    "modified-sine",
-    "3-4-5",
-    "4-5-6-7",
+    "uniform", "parabolic", "harmonic", "cycloidal", "modified-trapezoid", "modified-sine", "3-4-5", "4-5-6-7"
 ]
 # Largest condition number of a polynomial's equations: a slope without its lift exceeds it, or so many intermediate
 # points that the polynomial oscillates. A larger value accepts such polynomials, a smaller one refuses valid ones of a

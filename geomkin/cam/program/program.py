@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.errors import DesignError, shown
+from ...core.field_visitor import with_lengths
 from ...core.names import Folder
 from ...core.records import record
-from ...core.scaling import with_lengths
 from ...core.units import mm
 from ...plane.vec import Real, Whole
 from .extrema import SegmentPeaks, highest
@@ -22,16 +22,7 @@ from .given_lifts import TableFit, read_lifts, spline_through
 from .laws import Ends, Law, breaks_of, law_of, polynomial_from
 from .optimise import OptimalLaw, optimal_polynomial, optimal_spline
 from .placed_segments import SLIP, PlacedSegment, band, errors_named_by_segment, place_segments
-from .segments import (
-    Dwell,
-    LiftPolynomial,
-    LiftTable,
-    OptimisedPolynomial,
-    OptimisedSpline,
-    Return,
-    Rise,
-    Segment,
-)
+from .segments import Dwell, LiftPolynomial, LiftTable, OptimisedPolynomial, OptimisedSpline, Return, Rise, Segment
 
 # First, second and third derivative of the lift by radian.
 State = tuple[float, float, float]

@@ -243,12 +243,7 @@ class LiftTable:
     """
 
     decimals: int | None = quantity(
-        "decimal places to which the lifts are rounded",
-        default=None,
-        at_least=0,
-        at_most=15,
-        whole=True,
-        example=3,
+        "decimal places to which the lifts are rounded", default=None, at_least=0, at_most=15, whole=True, example=3
     )
     rows: Rows | None = entry(
         "values, as [cam angle in deg, lift in mm], from start to end", default=None, units=("deg", "mm")
@@ -256,11 +251,7 @@ class LiftTable:
     rows_deg: Rows | None = entry("values of an arm, as [cam angle in deg, lift in deg]", default=None)
     file: str | None = entry("CSV file with columns cam_angle_deg and lift_mm or lift_deg", default=None)
     within: float | None = quantity(
-        "largest distance of the curve from every row; deg for an arm",
-        "mm",
-        default=None,
-        above=0,
-        at_most=FARTHEST,
+        "largest distance of the curve from every row; deg for an arm", "mm", default=None, above=0, at_most=FARTHEST
     )
     kind: Literal["table"] = "table"
 

@@ -158,12 +158,7 @@ class Conjugate(AbstractGear):
 
 @checked
 def conjugate(
-    tooth: AbstractCurve,
-    teeth: Teeth,
-    pitch_radius: Size,
-    mate_teeth: Teeth,
-    addendum: Size,
-    internal: bool = False,
+    tooth: AbstractCurve, teeth: Teeth, pitch_radius: Size, mate_teeth: Teeth, addendum: Size, internal: bool = False
 ) -> Conjugate:
     """Generate the mate of a gear with teeth of any form by the law of gearing.
 

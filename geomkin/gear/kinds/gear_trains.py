@@ -218,11 +218,7 @@ class TrainSpecification:
         "arbors in a line, or two stages with input and output on one axis", default="line"
     )
     centre_distance: float | None = quantity(
-        "centre distance of every stage, for a wanted ratio; free if omitted",
-        "mm",
-        default=None,
-        above=0,
-        at_most=1e9,
+        "centre distance of every stage, for a wanted ratio; free if omitted", "mm", default=None, above=0, at_most=1e9
     )
     directions_deg: tuple[Direction, ...] = entry(
         "direction from each arbor to the next one, deg; by default that of the arrangement", default=()

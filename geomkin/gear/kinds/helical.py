@@ -149,9 +149,7 @@ class AbstractHelicalRecipe(AbstractAssembledRecipe):
         return f"{about} Its teeth are {'herringbones' if self.herringbone else form}."
 
     def mesh_notes(
-        self,
-        meshes: Mapping[str, object],
-        sizes: Mapping[str, tuple[AbstractInvoluteGear, Helix, float]],
+        self, meshes: Mapping[str, object], sizes: Mapping[str, tuple[AbstractInvoluteGear, Helix, float]]
     ) -> Mapping[str, object]:
         """Notes of gears in mesh. sizes: gear, helix and face width, mm, by name."""
         measures = {name: gear_notes(*size, self.measuring) for name, size in sizes.items()}

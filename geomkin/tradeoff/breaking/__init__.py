@@ -6,6 +6,5 @@ from ..cell import Cell
 from . import cams as cams
 from . import gears as gears
 from . import linkages as linkages
-from . import poses as poses
 
-CELLS: tuple[Cell, ...] = (*linkages.CELLS, *poses.CELLS, *cams.CELLS, *gears.CELLS)
+CELLS: tuple[Cell, ...] = (*linkages.CELLS, *linkages.POSE_CELLS, *cams.CELLS, *gears.CELLS)

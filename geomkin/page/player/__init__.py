@@ -1,1 +1,0 @@
-"""The player of pages: plain JavaScript modules, a style, and the plot library that they use."""
