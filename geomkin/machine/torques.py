@@ -8,15 +8,14 @@ from functools import cached_property
 
 import numpy as np
 
-from ..core.fields import to_digits, to_digits_or_none
+from ..core.fields import to_digits
 from ..core.records import record
-from ..linkage.dynamics.wrenches import NEWTON
-from ..making.motors import MOTORS, motor_check, motor_summary, nearest_motor, smallest_motor
+from ..making.motors import MOTORS, motor_check, motor_summary, nearest_motor, power_summary, smallest_motor
 from ..model.check import Check
 from ..model.motor import RPM, Motor, MotorDuty
 from ..model.scene import Plot
 from ..model.table import Column, vector_columns
-from ..plane.vec import Complex, Pose, Real, cross, without_rounding
+from ..plane.vec import Complex, Pose, Real, cross
 from ..recipe.aspect import Setting, ShaftPlacement
 from ..recipe.recipe import AbstractRecipe
 from .mechanism import Mechanism
@@ -204,15 +203,11 @@ class MachineTorques:
     def flywheel_inertia(self) -> float:
         """Of a flywheel on the driver that keeps `speed_fluctuation` with the gears, kg mm2; nan if none is asked.
 
-        By the largest difference of the work of the driver from that of its mean torque; inertia of cranks and of what
-        moves to and fro is in the torque.
+        Inertia of cranks and of what moves to and fro is in the torque.
         """
         if self.speed_fluctuation is None or (duty := self.duty) is None:
             return np.nan
-        steps = np.diff(duty.angle) * (duty.torque[1:] + duty.torque[:-1]) / 2
-        work = np.append(0.0, np.cumsum(steps))
-        excess = np.ptp(work - work[-1] * duty.angle / duty.angle[-1])
-        return float(max(0.0, excess / (NEWTON * self.speed_fluctuation * duty.speed[0] ** 2) - self.inertia_of_gears))
+        return max(0.0, duty.steadying_inertia / self.speed_fluctuation - self.inertia_of_gears)
 
     @property
     def summary(self) -> Mapping[str, object]:
@@ -220,15 +215,8 @@ class MachineTorques:
         if (duty := self.duty) is None or not np.isfinite(duty.torque).any():
             return {}
         peak = int(np.nanargmax(np.abs(duty.torque)))
-        work, size = (float(np.trapezoid(torque, duty.angle)) for torque in (duty.torque, np.abs(duty.torque)))
-        values = {
-            "work_N_mm": (work := without_rounding(work, size)),
-            "mean_power_W": 1e-3 * work / float(duty.angle[-1]) * float(duty.speed[0]),
-            "largest_power_W": 1e-3 * float(np.fmax.reduce(duty.torque * duty.speed)),
-            "inertia_of_gears_kg_mm2": self.inertia_of_gears or np.nan,
-        }
         largest = {name: to_digits(np.fmax.reduce(np.abs(torque))) for name, torque in self.dense[1].items()}
-        rounded = {key: to_digits_or_none(value) for key, value in values.items()}
+        gears = {"inertia_of_gears_kg_mm2": to_digits(inertia)} if (inertia := self.inertia_of_gears) else {}
         return {
             "loads": {
                 "input_torque_N_mm": {
@@ -237,7 +225,8 @@ class MachineTorques:
                     "rms": to_digits(duty.rms_torque),
                 },
                 "driver_torques_N_mm": largest,
-                **{key: value for key, value in rounded.items() if value is not None},
+                **power_summary(duty),
+                **gears,
                 **({"flywheel": wheel} if (wheel := self._flywheel) else {}),
                 **({"motor": motor_summary(self.motor[0], duty)} if self.motor else {}),
             }

@@ -221,6 +221,16 @@ def _excess(motor: Motor, duty: MotorDuty) -> str:
     return ""
 
 
+def power_summary(duty: MotorDuty) -> dict[str, float]:
+    """Work and powers of a driver, as entries of the summary; unknown ones are left out."""
+    values = {
+        "work_N_mm": duty.work,
+        "mean_power_W": duty.mean_power,
+        "largest_power_W": 1e-3 * float(np.fmax.reduce(duty.torque * duty.speed)),
+    }
+    return {key: number for key, value in values.items() if (number := to_digits_or_none(value)) is not None}
+
+
 def motor_summary(motor: Motor, duty: MotorDuty) -> dict[str, object]:
     """A motor and its margin, as an entry of the summary."""
     key = motor_name(motor)

@@ -15,7 +15,7 @@ from ..core.fields import FARTHEST, entry, inside, quantity
 from ..core.names import VisibleText
 from ..core.records import record
 from ..core.units import mm
-from ..plane.vec import Real
+from ..plane.vec import Real, without_rounding
 
 # rpm in rad/s.
 RPM = np.pi / 30
@@ -86,6 +86,30 @@ class MotorDuty:
     def rms_torque(self) -> float:
         """Root mean square of the torque over the angle, N mm; at a constant speed that over time."""
         return effective_value(self.torque, self.angle)
+
+    @cached_property
+    def work(self) -> float:
+        """Work of the torque, N mm, by trapezoids, without rounding noise; nan if a torque is unknown."""
+        size = float(np.trapezoid(np.abs(self.torque), self.angle))
+        return without_rounding(float(np.trapezoid(self.torque, self.angle)), size)
+
+    @property
+    def mean_power(self) -> float:
+        """Mean power, W; nan if the speed changes or a torque is unknown."""
+        range_of_angle = float(self.angle[-1] - self.angle[0])
+        steady = not np.ptp(self.speed) and range_of_angle
+        return 1e-3 * self.work / range_of_angle * float(self.speed[0]) if steady else float("nan")
+
+    @property
+    def steadying_inertia(self) -> float:
+        """Inertia with which the speed under a constant torque fluctuates by all of its mean, kg mm2; nan if unknown.
+
+        By the largest difference of the work from that of the mean torque.
+        """
+        steps = np.diff(self.angle) * (self.torque[1:] + self.torque[:-1]) / 2
+        work = np.append(0.0, np.cumsum(steps))
+        excess = work - work[-1] * (self.angle - self.angle[0]) / (self.angle[-1] - self.angle[0])
+        return float(np.ptp(excess)) / 1e-3 / float(self.speed[0]) ** 2
 
     @property
     def peak_speed_rpm(self) -> float:

@@ -214,3 +214,24 @@ def test_a_gas_spring_stays_within_its_stroke(extended, stroke, room):
     check = next(check for check in recipe.checks if check.id == "gas_spring_1_stroke")
     assert check.value == pytest.approx(min(extended - 80, 40 - extended + stroke)) == pytest.approx(room)
     assert check.passed == (room >= 0)
+
+
+@pytest.mark.parametrize("speed", [400, -400])
+@pytest.mark.parametrize("kind", ["four-bar", "walker"])
+def test_advised_slower_speed_is_one_at_which_a_motor_that_is_too_slow_suffices(kind, speed):
+    if kind == "walker":
+        table = tomllib.loads((Path(__file__).parents[2] / "recipes" / "motor-walker.toml").read_text())
+        table["loads"].pop("motors"), table["loads"].pop("battery_wh"), table["expected_failures"].clear()
+    else:
+        table = {"kind": "four-bar", "linkage": {"ground": 120, "crank": 30, "coupler": 100, "rocker": 70},
+                 "loads": {"masses": {"rocker": {"mass_kg": 2, "centre": [35, 0]}}, "motor": "37d-50"}}  # fmt: skip
+    table["drive"] = {"speed_rpm": speed, "step_deg": 4}
+
+    def motor_torque(table):
+        return next(from_table(table).aspect("loads")._motor_checks)
+
+    check = motor_torque(table)
+    (rpm,) = (s.values["drive.speed_rpm"] for s in check.suggestions if "drive.speed_rpm" in s.values)
+    assert not check.passed and 0 < rpm / speed < 0.5
+    slower = motor_torque({**table, "drive": {**table["drive"], "speed_rpm": rpm}})
+    assert (slower.passed and slower.value < 1.1 * 1.5) or (kind == "walker" and slower.passed)

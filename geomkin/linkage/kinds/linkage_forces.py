@@ -14,7 +14,6 @@ from ...plane.vec import Complex, Real
 from ..drive_limits import largest_between
 from ..dynamics.inverse import ForceAnalysis
 from ..dynamics.loads import Force
-from ..dynamics.wrenches import NEWTON
 from ..linkage import Linkage
 from ..motion import Motion
 from .aspects import AbstractLinkageAspect
@@ -133,20 +132,6 @@ class AbstractLinkageForces(AbstractLinkageAspect[LoadsTable]):
         frames = self.mechanism.input_range.frames
         motion = self.mechanism.moved(np.linspace(frames[0], frames[-1], max(POSITIONS, len(frames))))
         return motion, self.effort_in(motion, self.feet)
-
-    @cached_property
-    def work(self) -> Real:
-        """Work of the driver since its first position, with that of the copies, N mm; nan beyond an unknown effort."""
-        motion, effort = self.dense
-        steps = np.diff(motion.drive) * (effort[1:] + effort[:-1]) / 2
-        return np.append(0.0, np.cumsum(steps))
-
-    @cached_property
-    def steadying_inertia(self) -> float:
-        """Inertia on the driver with which its speed fluctuates by all of its mean, kg mm2; nan if unknown."""
-        drive = self.dense[0].drive
-        excess = self.work - self.work[-1] * (drive - drive[0]) / (drive[-1] - drive[0])
-        return float(np.ptp(excess)) / NEWTON / self.mechanism.speed**2
 
     @cached_property
     def peaks(self) -> Mapping[str, tuple[float, float]]:

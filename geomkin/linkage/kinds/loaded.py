@@ -11,19 +11,20 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import to_digits, to_digits_or_none
 from ...core.records import record
-from ...core.units import mm
+from ...core.units import mm, rounded_down
 from ...making.actuators import ActuatorDuty
 from ...making.motors import (
     motor_check,
     motor_summary,
     nearest_motor,
+    power_summary,
     smallest_motor,
 )
-from ...model.check import Check
-from ...model.motor import Motor, MotorDuty, effective_value
+from ...model.check import Check, Suggestion
+from ...model.motor import RPM, Motor, MotorDuty, effective_value
 from ...model.scene import Hodograph, Plot, Scene, SceneHandle, SceneMark
 from ...model.table import Column, Table, vector_columns
-from ...plane.vec import without_rounding
+from ...recipe.aspect import ALONE
 from ...recipe.recipe import part_masses
 from ..checks import in_driver_unit
 from ..dynamics.inverse import WATT
@@ -43,6 +44,8 @@ from .runs import LinkageRun, linkage_run
 # Least share of the weight of its parts and its motor that the feet of a walker carry, %: the forces are estimates, and
 # nothing that is carried besides the parts is known; chosen here.
 LEAST_CARRIED = 90.0
+# Share of the largest speed at which a motor suffices that is advised: peaks between the positions count too.
+SLOWER = 0.99
 
 
 @record(eq=False)
@@ -102,7 +105,7 @@ class LoadsAspect(AbstractLinkageForces):
             return None
         for _ in range(ROUNDS):
             with_wheel = replace(self, mechanism=replace(self.mechanism, flywheel=partial(_same, wheel)))
-            inertia = with_wheel.steadying_inertia / table.speed_fluctuation
+            inertia = with_wheel._dense_duty.steadying_inertia / table.speed_fluctuation
             if not np.isfinite(inertia):
                 problem = "is given, but the torque is unknown at positions that the linkage does not reach"
                 raise DesignError("loads.flywheel_sheets", problem, "let the driver turn fully, or omit it", "conflict")
@@ -113,7 +116,7 @@ class LoadsAspect(AbstractLinkageForces):
     def _flywheel_summary(self) -> Mapping[str, object]:
         """Inertia of the flywheel for `speed_fluctuation`, and its discs, or the one it would be; empty if none."""
         stock, allowed = self.mechanism.stock, self.given.speed_fluctuation
-        if allowed is None or not np.isfinite(inertia := self.steadying_inertia / allowed):
+        if allowed is None or not np.isfinite(inertia := self._dense_duty.steadying_inertia / allowed):
             return {}
         entries: dict[str, object] = {"inertia_kg_mm2": to_digits(inertia)}
         if stock.material is not None and inertia:
@@ -132,15 +135,21 @@ class LoadsAspect(AbstractLinkageForces):
         inertia = float(discs.inertia + discs.mass * np.abs(discs.centre - pivot) ** 2)
         advice = "its pins unbalance the driver: give more loads.flywheel_sheets, or a larger loads.speed_fluctuation"
         name = "fluctuation of the speed with the flywheel under a constant torque"
-        value, limit = self.steadying_inertia / inertia, self.given.speed_fluctuation
+        value, limit = self._dense_duty.steadying_inertia / inertia, self.given.speed_fluctuation
         return Check("speed_fluctuation", name, value, "at most", limit, "", advice)
 
     @property
     def duty(self) -> MotorDuty:
         """Torque and speed of the shaft."""
-        peak, (motion, effort) = self.peaks[EFFORT][0], self.dense
+        peak = self.peaks[EFFORT][0]
+        return replace(self._dense_duty, between=0.0 if np.isnan(peak) else peak)
+
+    @property
+    def _dense_duty(self) -> MotorDuty:
+        """As `duty`, without the peaks between small steps."""
+        motion, effort = self.dense
         speed = np.broadcast_to(np.asarray(motion.timing.speed, dtype=float), motion.drive.shape)
-        return MotorDuty(effort, speed, motion.drive, 0.0 if np.isnan(peak) else peak)
+        return MotorDuty(effort, speed, motion.drive)
 
     @cached_property
     def motor(self) -> Motor | None:
@@ -151,15 +160,16 @@ class LoadsAspect(AbstractLinkageForces):
     @cached_property
     def compared(self) -> tuple[ComparedMotor, ...]:
         """The motors of `motors`, each with its own mass on a walker."""
-        compared = []
-        for motor in self.given.motors:
-            walking = self.walking_with(motor)
-            if self.mechanism.foot and not walking and not self._pushed:
-                continue  # It falls over, or is in the air.
-            step = walking.step if walking else 0.0
-            torque_in = partial(self.effort_in, feet=self.feet_of(walking))
-            compared.append(compared_motor(self.mechanism, motor, torque_in, step, self.given.battery_wh))
-        return tuple(compared)
+        return tuple(compared for motor in self.given.motors if (compared := self._compared(motor)))
+
+    def _compared(self, motor: Motor) -> ComparedMotor | None:
+        """A motor with its own mass on a walker; None if this falls over, or is in the air."""
+        walking = self.walking_with(motor)
+        if self.mechanism.foot and not walking and not self._pushed:
+            return None
+        step = walking.step if walking else 0.0
+        torque_in = partial(self.effort_in, feet=self.feet_of(walking))
+        return compared_motor(self.mechanism, motor, torque_in, step, self.given.battery_wh)
 
     @property
     def remarks(self) -> Iterator[str]:
@@ -290,7 +300,21 @@ class LoadsAspect(AbstractLinkageForces):
         at = None if np.isnan(peak) else in_driver_unit(self.mechanism.motion, drive)
         column = "shaft_torque" if self.mechanism.copies else "driver_torque"
         key = "stock.motor" if self.mechanism.stock.motor is not None else "loads.motor"
-        yield motor_check(self.motor or nearest_motor(self.duty), self.duty, column, at, key)
+        motor = self.motor or nearest_motor(self.duty)
+        check = motor_check(motor, self.duty, column, at, key)
+        if check.passed or not (rpm := self._slower_rpm(motor)):
+            yield check
+        else:
+            slower = Suggestion({"drive.speed_rpm": rpm}, "rpm")
+            words = f"{check.advice}; or give speed_rpm = {rpm:g} in [drive]"
+            yield replace(check, advice=words, suggestions=(*check.suggestions, slower))
+
+    def _slower_rpm(self, motor: Motor) -> float:
+        """A speed of the recipe's driver, rpm, at which a motor suffices; 0 if none is known."""
+        made = self.mechanism
+        if made.setting != ALONE or made.acceleration or (compared := self._compared(motor)) is None:
+            return 0.0
+        return float(np.copysign(float(rounded_down(SLOWER * compared.largest_speed / RPM, 3)), made.speed))
 
     @property
     def entries(self) -> Mapping[str, object]:
@@ -319,16 +343,11 @@ class LoadsAspect(AbstractLinkageForces):
         result["largest_pin_force_N"] = {
             pin: to_digits(self.peaks[pin][0]) for pin in self.linkage.pins if np.isfinite(self.peaks[pin][0])
         }
-        power, range_of_drive = WATT * total * dense.timing.speed, dense.drive[-1] - dense.drive[0]
-        work = without_rounding(self.work[-1], float(np.trapezoid(np.abs(total), dense.drive)))
-        mean_power = WATT * work / range_of_drive * float(dense.timing.speed)
         known = {
-            "work_N_mm": work,
-            "mean_power_W": float(mean_power) if dense.timing.steady else np.nan,
-            "largest_power_W": float(np.fmax.reduce(power)),
             "efficiency": float(analysis.efficiency) if analysis.loads.friction else np.nan,
             "largest_condition": to_digits(float(np.fmax.reduce(analysis.condition)), 4),
         }
+        result |= power_summary(self._dense_duty)
         result |= {key: value for key, number in known.items() if (value := to_digits_or_none(number)) is not None}
         if analysis.loads.friction:
             result["self_locking_percent"] = to_digits(100 * float(np.mean(analysis.self_locking)), 6)
