@@ -36,6 +36,9 @@ from . import (
     plane as plane,
 )
 from . import (
+    ratchet as ratchet,
+)
+from . import (
     recipe as recipe,
 )
 from . import (

@@ -65,6 +65,9 @@ KINDS_BY_GROUP.update({
     "Geneva drives": {
         "geneva": "geomkin.geneva.kinds:GenevaRecipe",
     },
+    "ratchets": {
+        "ratchet": "geomkin.ratchet.kinds.ratchet:RatchetRecipe",
+    },
     "belts and chains": {
         "belt-drive": "geomkin.belt.kinds:BeltDriveRecipe",
         "chain-drive": "geomkin.belt.kinds:ChainDriveRecipe",

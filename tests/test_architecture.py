@@ -20,7 +20,7 @@ ORDER = (
     ("model",),
     ("export",),
     ("page", "recipe", "making"),
-    ("cam", "gear", "belt", "geneva", "cycloidal", "coupon"),
+    ("cam", "gear", "belt", "geneva", "cycloidal", "ratchet", "coupon"),
     # A linkage has the gears of its meshes.
     ("linkage",),
     ("synthesis",),
@@ -32,7 +32,7 @@ ORDER = (
     ("__init__", "__main__"),
 )
 RANK = {name: k for k, row in enumerate(ORDER) for name in row}
-MECHANISMS = {"linkage", "cam", "gear", "belt", "geneva", "cycloidal", "coupon", "synthesis"}
+MECHANISMS = {"linkage", "cam", "gear", "belt", "geneva", "cycloidal", "ratchet", "coupon", "synthesis"}
 # What the analysis of a mechanism may import, and what its checks, parts and scenes may.
 ANALYSIS = {"core", "plane", "model"}
 FABRICATION = ANALYSIS | {"export", "making"}

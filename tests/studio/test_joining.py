@@ -50,6 +50,7 @@ KINDS = [
     "geneva",
     "belt-drive",
     "cycloidal-drive",
+    "ratchet",
     "inch-wiper",
 ]
 
