@@ -443,15 +443,17 @@ class CurveSearch:
     def chosen(self, state: State, cost: Real, count: int) -> tuple[State, Real]:
         """The best distinct chains, few of one kind, and at most half of kinds that seldom stack."""
         bodies, order = state.chains.bodies, np.argsort(cost, kind="stable")
-        stacking, rows = stacks(bodies), list[int]()
+        kinds = np.unique(bodies.reshape(len(bodies), -1), axis=0, return_inverse=True)[1].ravel()
+        stacking, rows, seldom = stacks(bodies), list[int](), 0
+        costs: dict[int, list[float]] = {kind: [] for kind in kinds.tolist()}
         for row in order[np.isfinite(cost[order])].tolist():
-            kind = [one for one in rows if (bodies[row] == bodies[one]).all()]
-            copy = any(cost[row] <= cost[one] * (1 + COPY) + 1e-14 for one in kind)
-            seldom = 0 if stacking[row] else sum(not stacking[one] for one in rows)
-            if not copy and (bodies.shape[1] == 1 or (len(kind) < ALIKE * count and seldom < count / 2)):
+            alike = costs[kinds[row]]
+            copy = alike and cost[row] <= alike[-1] * (1 + COPY) + 1e-14
+            full = len(alike) >= ALIKE * count or (not stacking[row] and seldom >= count / 2)
+            if len(rows) < count and not copy and (bodies.shape[1] == 1 or not full):
                 rows.append(row)
-            if len(rows) == count:
-                break
+                alike.append(cost[row])
+                seldom += not stacking[row]
         best = np.array(rows, dtype=int)
         return state[best], cost[best]
 

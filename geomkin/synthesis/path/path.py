@@ -170,13 +170,9 @@ def path_generator(
     ((), True)
     """
     wanted = np.asarray(points, dtype=complex)
-    chain_bounds, timed = None, drive_deg is not None
-    _check_chain(bars, geared, {"drive_deg": timed, "slides": slides})
-    if effort > 1 and bars == 4 and (not closed or timed or slides):
-        remedy = "omit it, or give a closed path without crank angles and a slider, or more bars"
-        raise DesignError("effort", f"found {effort} for an open path of a four-bar", remedy, "conflict")
-    of_curves = closed and not timed and not slides and set(bounds or ()) <= {*CURVE_BOUNDS}
-    if bars > 4 or (of_curves and bounds):
+    _check_search(bars, geared, effort, closed, {"drive_deg": drive_deg is not None, "slides": slides})
+    is_curve, chain_bounds = closed and drive_deg is None and not slides, None
+    if bars > 4 or (bounds and is_curve and set(bounds) <= {*CURVE_BOUNDS}):
         chain_bounds, bounds = _chain_bounds(bounds or {}), None
     targets, crank_angles = _used(wanted, drive_deg, closed)
     centre = complex(targets.mean())
@@ -212,14 +208,12 @@ def path_generator(
         given=len(wanted) if len(wanted) > len(targets) else 0,
     )
     ranked, watch = path_search.ranked(0)
+    if not ranked and watch.cut:
+        raise watch.too_short()
     if not ranked:
-        if watch.cut:
-            raise watch.too_short()
-        raise DesignError(
-            "bounds" if bounds or (chain_bounds and chain_bounds != ChainBounds()) else "points",
-            "no linkage was found that moves within the limits",
-            "give wider limits or bounds, or another seed",
-        )
+        field = "bounds" if bounds or (chain_bounds and chain_bounds != ChainBounds()) else "points"
+        problem = "no linkage was found that moves within the limits"
+        raise DesignError(field, problem, "give wider limits or bounds, or another seed")
     return replace(ranked[0], ranked=ranked, again=path_search.usable if bars == 4 else None)
 
 
@@ -272,14 +266,17 @@ def usual_limits(bars: int, is_bounded: bool = False) -> tuple[float, float]:
     return (STUCK_DEG, ANY_RATIO) if is_bounded else (TOGGLE_DEG, LONGEST_RATIO)
 
 
-def _check_chain(bars: int, geared: bool, wrong: Mapping[str, bool]) -> None:
-    """Refuse arguments that linkages of more than four bars do not take; wrong: whether each is given."""
+def _check_search(bars: int, geared: bool, effort: int, is_curve: bool, wrong: Mapping[str, bool]) -> None:
+    """Refuse arguments that a search does not take; is_curve: for a closed path; wrong: what more bars do not take."""
     if (geared and bars == 4) or (not geared and bars % 2):
         problem, remedy = f"{bars} bars with geared = {str(geared).lower()}", "give geared = true with 5 to 8 bars"
         raise DesignError("bars", problem, f"{remedy}, or 4, 6 or 8 bars without", "conflict")
-    for field in (name for name, is_wrong in wrong.items() if is_wrong and bars > 4):
+    for field in (name for name, is_given in wrong.items() if is_given and bars > 4):
         problem = "more than four bars follow paths without crank angles and without a slider"
         raise DesignError(field, problem, "omit drive_deg and slides, or give 4 bars", "conflict")
+    if effort > 1 and bars == 4 and (not is_curve or any(wrong.values())):
+        remedy = "omit it, or give a closed path without crank angles and a slider, or more bars"
+        raise DesignError("effort", f"found {effort} for an open path of a four-bar", remedy, "conflict")
 
 
 def _used(points: Complex, drive_deg: Angles | None, closed: bool) -> tuple[Complex, Real | None]:

@@ -353,6 +353,11 @@ class PathSearch:
         """The closed line through the points of a closed path."""
         return WantedLine.through(self.points) if self.task.closed else None
 
+    @cached_property
+    def line(self) -> Complex:
+        """The closed line that chains follow, for an open path with a way back."""
+        return self.wanted_line.line if self.wanted_line else smooth_line(returned(self.points))
+
     def usable(self) -> PathFound | None:
         """The best linkage within the given limits and those of a usable one."""
         task = self.task
@@ -426,11 +431,10 @@ class PathSearch:
 
     def _curve_search(self, seed: int, watch: Watch) -> tuple[CurveTask, list[State]]:
         """The task of a search for chains, and the chains that it finds."""
-        if self.wanted_line is not None:
-            target = target_curve(self.wanted_line.line)
-        else:
-            line = smooth_line(returned(self.points))
-            target = target_curve(line, (np.arange(len(line)) <= PARTS * (len(self.points) - 1)).astype(float))
+        weight = None
+        if self.wanted_line is None:
+            weight = (np.arange(len(self.line)) <= PARTS * (len(self.points) - 1)).astype(float)
+        target = target_curve(self.line, weight)
         bounds = (self.chain_bounds or ChainBounds()).scaled(target.scale, target.middle)
         bounds = replace(bounds, links=(bounds.links[0], min(bounds.links[1], LONGEST * SIZE)))
         limits = float(np.degrees(self.task.least_transmission)), self.task.largest_ratio
@@ -461,11 +465,8 @@ class PathSearch:
         curve, found = self._curve_search(int(np.random.default_rng([self.seed, number]).integers(2**32)), watch)
         target, made = curve.target, []
         for state in found:
-            cranks = None
-            if self.wanted_line is None:
-                line = smooth_line(returned(self.points))
-                shares = evenly(line[None], 2)[1][0, : PARTS * len(self.points) : PARTS]
-                cranks = cranks_along(curve, state, shares)
+            shares = evenly(self.line[None], 2)[1][0, : PARTS * len(self.points) : PARTS]
+            cranks = None if self.wanted_line else cranks_along(curve, state, shares)
             for k in range(len(state)):
                 linkage, branch = linkage_of(state.chains, k, target.scale, target.middle)
                 # The crank of a chain is at its first pin's angle from that of a linkage.
