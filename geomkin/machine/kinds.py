@@ -219,8 +219,12 @@ class MachineRecipe(AbstractAssembledRecipe):
 
     @cached_property
     def handles(self) -> tuple[SceneHandle, ...]:
-        """Those of all mechanisms whose recipes are in this one."""
-        return tuple(handle for mechanism in self.placed if not mechanism.recipe.name for handle in mechanism.handles)
+        """Those of all mechanisms whose recipes are in this one, and of the phases of those that a shaft turns."""
+        own = (handle for mechanism in self.placed if not mechanism.recipe.name for handle in mechanism.handles)
+        return (
+            *own,
+            *(mechanism.phase_handle for mechanism in self.placed if self.mechanisms[mechanism.name].turned_by),
+        )
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:

@@ -23,6 +23,8 @@ from ..recipe.recipe import AbstractRecipe
 UNITS = ("mm", "deg")
 # Id of the column of the driver's torque.
 TORQUE = "input_torque"
+# Distance of the handle of a phase from its axis, in sizes of the mechanism.
+HANDLE = 0.4
 # Difference from a whole turn, rad, below which a driver turns round.
 WHOLE = 1e-6
 
@@ -138,6 +140,16 @@ class PlacedMechanism:
             marks=tuple(marks),
             regions=tuple(regions),
         )
+
+    @property
+    def phase_handle(self) -> SceneHandle:
+        """A handle that turns with its driver, and sets by how much that is turned on its shaft."""
+        axis = complex(self.placement.place(next(iter(self.recipe.rotating_bodies.values())).axis))
+        low, high = self.scene.box
+        arm = self.placement.vector(HANDLE * abs(high - low) * np.exp(1j * self.turn))
+        key = f"mechanisms.{self.name}.phase_deg"
+        at = axis + np.asarray(arm)
+        return SceneHandle(f"phase:{self.name}", f"phase of {self.name}", (key,), at, anchor=np.full_like(at, axis))
 
     @property
     def handles(self) -> Iterator[SceneHandle]:

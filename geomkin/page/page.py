@@ -254,7 +254,7 @@ def second_differences(row: Real, decimals: int) -> object:
 # Scripts of the player, each after those that it uses.
 SCRIPTS = (
     "uplot/uPlot.iife.min.js",
-    *("shapes.js", "names.js", "pictures.js", "links.js", "drawing.js", "hands.js", "plots.js", "player.js"),
+    *("shapes.js", "names.js", "pictures.js", "film.js", "links.js", "drawing.js", "hands.js", "plots.js", "player.js"),
 )
 ROW_SCRIPTS = ("uplot/uPlot.iife.min.js", "shapes.js", "pictures.js", "plots.js", "rows.js")
 START = (

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from http import HTTPStatus
 from io import BytesIO
 from itertools import takewhile
@@ -19,7 +19,7 @@ from ..core.errors import GeomkinError, printable
 from ..core.names import file_name_flaw
 from ..export.job import Job
 from ..export.scene_svg import assembly_picture
-from ..recipe.kinds import KINDS, all_kinds, recipe_class
+from ..recipe.kinds import KINDS, all_kinds, gallery, recipe_class
 from ..recipe.load import parse
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.shown import ShownRecipe
@@ -96,6 +96,8 @@ class Studio:
                     for kind, row in all_kinds().items()
                 ]
                 return {"kinds": kinds, "recipes": [self._listed(name) for name in self.workspace.recipes]}
+            case "examples":
+                return {"examples": self._examples}
             case "picture":
                 return self._picture(query)
             case "job":
@@ -129,6 +131,8 @@ class Studio:
                     raise RefusedError(HTTPStatus.BAD_REQUEST, "options has the wrong form", "give a list of texts")
                 if body.get("kind") == "":
                     return {"text": EMPTY}
+                if "example" in body:
+                    return {"text": Workspace(gallery()[0]).open(_text(body, "example")).text}
                 return {"text": self._known_kind(body, lambda kind: template(recipe_class(kind), options))}
             case "nearest":
                 return {"known": known_linkages(body.get("points"))}
@@ -220,6 +224,20 @@ class Studio:
             "title": " ".join(line.lstrip("# ") for line in comments)[:LONGEST_TITLE] or about,
         }
 
+    @cached_property
+    def _examples(self) -> list[dict[str, str]]:
+        """Recipes of the gallery that need no other file; none in the gallery itself."""
+        folder, known = gallery()
+        home = Workspace(folder)
+        if home.folder == self.workspace.folder:
+            return []
+        named = {file.removesuffix(".toml"): about for file, about in known.items()}
+        return [
+            {"name": name, "kind": kind, "title": about[:LONGEST_TITLE]}
+            for name, (kind, about) in named.items()
+            if not home.files_of(home.open(name).text)
+        ]
+
     def archive(self, folder: str) -> bytes:
         """All files of a recipe that was made, in one zip."""
         home, buffer = self.workspace.folder / "out" / folder, BytesIO()
@@ -248,6 +266,8 @@ class Studio:
         """A small picture of a recipe of the folder, or of a kind; empty if it takes a search or is wrong."""
         if "recipe" in query:
             name, text = query["recipe"], self.workspace.open(query["recipe"]).text
+        elif "example" in query:
+            name, text = query["example"], Workspace(gallery()[0]).open(query["example"]).text
         else:
             name, text = "", self._known_kind(query, lambda kind: template(recipe_class(kind)))
         if text not in self._pictures:

@@ -231,7 +231,7 @@ def test_a_machine_has_fields_for_its_mechanisms_and_for_the_recipes_in_it(studi
 def test_a_template_of_the_gallery_is_edited_and_saved_under_a_new_name(studio):
     editor = studio("")
     page = editor.page
-    page.click('.card:has-text("pantograph")')
+    page.click('#kinds .card:has-text("pantograph")')
     page.wait_for_selector("body[data-checked]")
     page.keyboard.press("Control+s")
     page.fill("#file-name", "copy")
@@ -254,7 +254,7 @@ def test_the_template_that_was_chosen_last_is_shown(studio):
     page.fill('[name="linkage.crank"]', "31")
     for kind in ("pantograph", "scotch-yoke"):
         page.click("#new")
-        page.click(f'.card:has(b:text-is("{kind}"))')
+        page.click(f'#kinds .card:has(b:text-is("{kind}"))')
     page.wait_for_timeout(600)
     settle(page)
     assert page.text_content("#name") == "new scotch-yoke"
@@ -406,7 +406,7 @@ def test_unsaved_changes_are_offered_again(studio):
     assert value(page, "linkage.crank") == 33 and page.is_visible("#dirty")
     # A template that is opened instead loses nothing either.
     page.click("#new")
-    page.click('.card:has-text("pantograph")')
+    page.click('#kinds .card:has-text("pantograph")')
     page.wait_for_selector('#name:has-text("new pantograph")')
     settle(page)
     page.click("#gallery")
@@ -456,12 +456,18 @@ def test_every_button_adds_a_table_or_gives_the_reason(studio):
 
 def test_the_gallery_is_searched_by_words(studio):
     page = studio("").page
-    page.fill("#search", "walking")
-    assert page.locator(".card:visible").count() < 5
+    page.wait_for_selector("#examples .card")
+    page.fill("#search", "walking leg")
+    assert 1 <= page.locator(".card:visible").count() < 12
     page.fill("#search", "no such thing")
     assert page.is_visible("#no-match") and not page.locator(".card:visible").count()
     page.fill("#search", "cam")
-    assert page.locator('.card:visible:has-text("disk-cam")').count()
+    assert page.locator('#kinds .card:visible:has-text("disk-cam")').count()
+    # A recipe of the gallery is a new one, without a file.
+    page.fill("#search", "klann")
+    page.click("#examples .card:visible >> nth=0")
+    page.wait_for_selector("body[data-checked]")
+    assert page.text_content("#name") == "new linkage" and page.locator("#player .plate").count() >= 5
 
 
 @pytest.mark.parametrize(("width", "height"), [(1440, 900), (1280, 720)])

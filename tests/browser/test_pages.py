@@ -1,7 +1,7 @@
 """Pages as a reader has them: they open, move, follow the slider, the pointer and the keys, and show what the files state."""
 
 import csv
-from base64 import urlsafe_b64decode, urlsafe_b64encode
+from base64 import b64encode, urlsafe_b64decode, urlsafe_b64encode
 from itertools import combinations
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -280,6 +280,42 @@ def test_a_page_opens_its_recipe_in_the_studio_and_that_of_a_link(folder, opened
     # A damaged link offers nothing.
     page.evaluate("location.hash = '#recipe=%%'")
     page.wait_for_selector("#linked", state="detached")
+
+
+def test_the_motion_is_saved_as_a_film(folder, opened):
+    page = opened(page_of("crank-rocker", folder)[1], viewport={"width": 900, "height": 700}).page
+    button = page.locator('button[aria-label="The motion as a film"]')
+    # A pass of one second; the first film is given up.
+    page.evaluate("document.querySelector('.speed select').value = 1")
+    go_to(page, 40)
+    button.click()
+    page.wait_for_function("document.querySelector('button[aria-label^=\"The motion as\"]').textContent.endsWith('%')")
+    button.click()
+    page.wait_for_selector('button[aria-label="The motion as a film"]:text-is("Film")')
+    with page.expect_download(timeout=60_000) as download:
+        button.click()
+    assert frame_of(page) == 40 and download.value.suggested_filename.split(".")[1] in ("mp4", "webm")
+    content = Path(download.value.path()).read_bytes()
+    assert content[4:8] == b"ftyp" or content[:4] == b"\x1a\x45\xdf\xa3"
+    # Another page plays it: of a turn's length, and other pictures at other times.
+    viewer = page.context.new_page()
+    watch = """async (data) => {
+        const bytes = Uint8Array.from(atob(data), (sign) => sign.charCodeAt(0)), video = document.createElement("video");
+        const at = (time) => new Promise((resolve) => { video.onseeked = resolve; video.currentTime = time; });
+        video.src = URL.createObjectURL(new Blob([bytes]));
+        await new Promise((resolve, reject) => { video.onloadeddata = resolve; video.onerror = reject; });
+        await at(1e5);
+        const length = video.duration, canvas = document.createElement("canvas"), paper = canvas.getContext("2d"), seen = [];
+        [canvas.width, canvas.height] = [video.videoWidth, video.videoHeight];
+        for (const share of [0.1, 0.5, 0.9]) {
+            await at(share * length);
+            paper.drawImage(video, 0, 0);
+            seen.push([...paper.getImageData(0, 0, canvas.width, canvas.height).data].reduce((sum, x, k) => sum + x * (k % 97), 0));
+        }
+        return { length, width: canvas.width, seen };
+    }"""
+    found = viewer.evaluate(watch, b64encode(content).decode())
+    assert 0.7 < found["length"] < 2 and found["width"] > 500 and len(set(found["seen"])) == 3
 
 
 def test_bars_show_the_effect_of_sizes_at_the_frame(folder, opened):

@@ -424,3 +424,34 @@ def test_a_ring_that_turns_a_crank_needs_a_disc_and_its_shaft_has_the_bore_of_th
     (shaft,) = machine.shafts
     assert check.passed and shaft.diameter == bore and list(shaft.bores) == ["pump/crank"]
     assert "pair/ring" in shaft.bodies
+
+
+@pytest.mark.parametrize("changes", [{}, {"mirrored": True, "angle_deg": 30}])
+def test_the_handle_of_a_phase_is_dragged_round_its_shaft(changes):
+    text = """kind = "machine"
+[mechanisms.pair]
+recipe = { kind = "gear-pair", first = { teeth = 20, module = 2 }, second = { teeth = 40, module = 2 } }
+[mechanisms.crank]
+turned_by = "pair.second"
+phase_deg = 20
+recipe = { kind = "slider-crank", linkage = { crank = 20, coupler = 70 } }
+"""
+    for key, held in changes.items():
+        text = text.replace("phase_deg", f"{key} = {str(held).lower()}\nphase_deg")
+    reply = answer(text, {}, {})
+    assert not reply["problems"], reply["problems"]
+    (handle,) = [handle for handle in reply["handles"] if handle["id"].startswith("phase:")]
+    frame = 37
+    start, axis = (complex(*(row[frame] if isinstance(row, list) else row for row in handle[name]))
+                   for name in ("at", "anchor"))  # fmt: skip
+    to = axis + (start - axis) * np.exp(0.5j)
+    drag = {"handle": handle["id"], "to": [to.real, to.imag], "frame": frame, "step": 0.1}
+    reply = answer(text, {}, {"drag": drag})
+    moved = gk.load(reply["text"])
+    # Seen from the other side it turns the other way.
+    turned = moved.mechanisms["crank"].phase_deg - 20
+    assert abs(turned - np.degrees(-0.5 if changes else 0.5)) < 0.3
+    # The crank itself turned by as much.
+    cranks = [next(body for body in recipe.scene.bodies if body.name == "crank/crank").direction[0]
+              for recipe in (gk.load(text), moved)]  # fmt: skip
+    assert abs(np.angle(cranks[1] / cranks[0]) - 0.5) < 0.01

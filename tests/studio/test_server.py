@@ -18,6 +18,7 @@ from geomkin.core.processes import report
 from geomkin.page.page import player_file
 from geomkin.studio import server as module
 from geomkin.studio import service
+from geomkin.studio.edit import answer
 from geomkin.studio.server import HOST, LARGEST_BODY, MOST_A_SECOND, StudioServer
 from geomkin.studio.service import Studio
 from geomkin.studio.workspace import ConflictError, Workspace
@@ -141,6 +142,17 @@ def test_the_page_that_leads_links_on_needs_and_holds_no_secret(running):
                 assert connection.getresponse().status in (403, 404)
     # A flood of them takes nothing from the page.
     assert len(running._times) == before
+
+
+def test_recipes_of_the_gallery_are_offered_and_run_in_any_folder(running):
+    examples = json.loads(ask(running, "examples")[2])["examples"]
+    assert len(examples) > 50 and len({example["name"] for example in examples}) == len(examples)
+    for example in examples[::30]:
+        text = json.loads(ask(running, "new", {"example": example["name"]})[2])["text"]
+        assert not answer(text, {}, {})["problems"]
+    assert ask(running, f"picture?example={examples[0]['name']}")[2].startswith(b"<?xml")
+    for wrong in ("../pyproject", "nothing", 3):
+        assert ask(running, "new", {"example": wrong})[0] in (400, 422)
 
 
 NAMES = [

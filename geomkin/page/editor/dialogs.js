@@ -29,7 +29,7 @@ function loader(root) {
   };
 }
 
-// Shows the gallery. A click on a card calls `editor.open(recipe)` or `editor.startNew(kind)`; if it is to be joined to the
+// Shows the gallery. A click on a card calls `editor.open(recipe)` or `editor.startNew(kind, example)`; if it is to be joined to the
 // shown one, `editor.joinTo({ recipe })` or `editor.joinTo({ kind })`.
 export async function showGallery(editor, isJoined = false) {
   const dialog = at("gallery-dialog"), { kinds, recipes } = await get("gallery"), load = loader(dialog);
@@ -41,7 +41,7 @@ export async function showGallery(editor, isJoined = false) {
     button.dataset.words = `${name} ${words} ${about}`.toLowerCase();
     button.addEventListener("click", () => { dialog.close(); Promise.resolve(act()).catch((error) => editor.announce(error.message)); });
   };
-  for (const id of ["by-hand", "folder", "kinds"]) at(id).replaceChildren();
+  for (const id of ["by-hand", "folder", "kinds", "examples"]) at(id).replaceChildren();
   at("gallery-title").textContent = isJoined ? "Join a mechanism to a shaft" : "Open a recipe";
   if (!isJoined) card(at("by-hand"), "", "empty linkage", "built by clicks: pivots, bars, plates, dyads, slides", "build draw empty new linkage", () => editor.startEmpty());
   const search = at("search");
@@ -73,6 +73,11 @@ export async function showGallery(editor, isJoined = false) {
   }
   narrow(dialog, "");
   dialog.showModal();
+  // A mechanism that is joined is a file of the folder, or of a kind.
+  const { examples } = isJoined ? { examples: [] } : await get("examples");
+  at("examples").replaceChildren();
+  for (const { name, kind, title } of examples) card(at("examples"), `picture?example=${encodeURIComponent(name)}`, name, title, kind, () => editor.startNew(kind, name));
+  narrow(dialog, search.value);
 }
 
 // Shows the cards that have all words, and the headings of lists that are not empty.

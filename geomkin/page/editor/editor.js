@@ -133,8 +133,9 @@ class Editor {
     });
   }
 
-  async startNew(kind) {
-    const started = await this.latest(post("new", { kind }));
+  // Starts with the template of a kind, or with a recipe of the gallery.
+  async startNew(kind, example) {
+    const started = await this.latest(post("new", example ? { example } : { kind }));
     if (started) this.load(started.text, "", "");
   }
 

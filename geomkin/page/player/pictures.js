@@ -62,17 +62,17 @@ function fileOf(svg) {
   return `<?xml version="1.0" encoding="UTF-8"?>\n${text.replace("<svg ", '<svg style="background:#fff" ')}\n`;
 }
 
-// The drawing as PNG, white behind it.
-export async function drawingImage(drawing) {
+// The drawing as an image, white behind it; sharp: pixels of it for each of the drawing.
+export async function drawingImage(drawing, sharp = SHARP, type = "image/png") {
   const image = new Image(), canvas = document.createElement("canvas");
   image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(drawingFile(drawing))}`;
   await image.decode();
-  [canvas.width, canvas.height] = [SHARP * drawing.wide, SHARP * drawing.tall].map(Math.round);
+  [canvas.width, canvas.height] = [sharp * drawing.wide, sharp * drawing.tall].map(Math.round);
   const paper = canvas.getContext("2d");
   paper.fillStyle = "#fff";
   paper.fillRect(0, 0, canvas.width, canvas.height);
   paper.drawImage(image, 0, 0, canvas.width, canvas.height);
-  return new Promise((resolve) => { canvas.toBlob(resolve, "image/png"); });
+  return new Promise((resolve) => { canvas.toBlob(resolve, type); });
 }
 
 // A plot as the text of an SVG file: axes with units, curves, limits, and the frame shown.

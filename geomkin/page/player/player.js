@@ -1,5 +1,6 @@
 // The player: shows a scene moving, with its plots; mouse, touch and keys move the driver.
 import { Drawing, FOOT, MARGIN } from "./drawing.js";
+import { film, filmType } from "./film.js";
 import { followPointers } from "./hands.js";
 import { mountRecipe } from "./links.js";
 import { drawingFile, drawingImage, offer } from "./pictures.js";
@@ -127,6 +128,8 @@ class Player {
     });
     picture("Drawing at this frame as SVG", "SVG", "svg", drawingFile);
     picture("Drawing at this frame as PNG", "PNG", "png", drawingImage);
+    this.filmed = button("The motion as a film", "Film", () => this.film());
+    this.filmed.hidden = !filmType;
     this.contact = button("Zoom on the contact", "contact", () => {
       this.drawings[0].lookAtContact();
       this.announceZoom(this.drawings[0]);
@@ -341,6 +344,24 @@ class Player {
     this.cells.forEach((cell, k) => { cell.textContent = shown(this.data.columns[k].row[frame]); });
     const said = this.plots.cards.flatMap((card) => card.columns).map((c) => `${c.name} ${shown(c.row[frame])} ${c.unit}`);
     this.live.textContent = `${this.drive.name} ${shown(this.drive.row[frame])} ${this.drive.unit}: ${said.join(", ")}`;
+  }
+
+  // Saves a pass at the chosen speed as a film, forth and back if it is not cyclic; a second click gives up.
+  async film() {
+    const { filmed, frame, time, data: { cyclic, frames, name } } = this, [first, last] = [time[0], time[frames - 1]];
+    this.filming = !this.filming;
+    if (!this.filming || frames < 2) return;
+    this.play(false);
+    const show = (share) => this.goTo(this.at(first + (last - first) * (cyclic ? share : 1 - abs(1 - 2 * share))));
+    const report = (share) => { filmed.textContent = `${floor(100 * share)} %`; return this.filming; };
+    try {
+      const made = await film(this.drawings[0], (cyclic ? 1 : 2) * (last - first) / this.speed.value, show, report);
+      if (made) offer(made, `${name}.${made.type.split("/")[1]}`, made.type);
+    } finally {
+      this.filming = false;
+      filmed.textContent = "Film";
+      this.goTo(frame);
+    }
   }
 
   csv() {
