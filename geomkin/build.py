@@ -388,7 +388,7 @@ def _job(name: str, source: AbstractRecipe | StaticSource, files: Files) -> Job:
     stamp = str(Stamp(recipe_hash(_data(source)), files.tolerance))
     unit, about = UNITS[source.units], ShownRecipe(source).introduction
     if (printing := source.printing) is not None:
-        job = dataclasses.replace(job, growth=printing.growth, foot=printing.foot)
+        job = dataclasses.replace(job, growth=printing.growth, foot=printing.foot, in_place=printing.in_place)
     return dataclasses.replace(job, about=about, recipe=partial(to_toml, source), stamp=stamp, unit=unit)
 
 

@@ -12,8 +12,6 @@ import geomkin as gk
 RECIPES = Path(__file__).parents[1] / "recipes"
 NAMES = sorted(path.stem for path in RECIPES.glob("*.toml"))
 FIRST_OF_KIND = {tomllib.loads((RECIPES / f"{name}.toml").read_text("utf-8"))["kind"]: name for name in reversed(NAMES)}
-# Recipes of printed sets, whose solids are grown, and chamfered below; tests/export/test_printed.py measures them.
-PRINTED = {name for name in NAMES if "\n[printing]" in (RECIPES / f"{name}.toml").read_text("utf-8")}
 # mm. Of the chords that outlines are looked at by.
 FINE = 1e-4
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from textwrap import wrap
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from ..core.errors import harmless
 from ..core.records import record
 from ..core.units import LengthUnit
 from ..model.part import HoleFit
-from ..plane.curve import AbstractCurve, Mirrored, Reversed
+from ..plane.curve import AbstractCurve, Mirrored, Moved, Reversed
 from ..plane.joined import Path, PolarArray
 from ..plane.primitives import Arc, Circle, Polyline, Segment
 from ..plane.vec import Complex
@@ -21,6 +22,7 @@ from .dimensions import (
     DIM,
     LETTER,
     LINE,
+    MARK,
     PART,
     WORDS,
     Dimension,
@@ -35,8 +37,18 @@ from .drawing_views import base_circle, draw_table, point_table, section_view
 from .job import Job
 from .text import Text, width_of
 
+# Size of the largest engraved line that is a letter's, mm on the part.
+LARGEST_LETTER = 6.0
+# Least number of letters in a line below a part.
+FEWEST = 32
 # Layers with their colour index and RGB.
-COLOURS = {PART: (7, (0, 0, 0)), CENTRE: (1, (213, 94, 0)), DIM: (5, (0, 114, 178)), WORDS: (7, (60, 60, 60))}
+COLOURS = {
+    PART: (7, (0, 0, 0)),
+    MARK: (8, (120, 120, 120)),
+    CENTRE: (1, (213, 94, 0)),
+    DIM: (5, (0, 114, 178)),
+    WORDS: (7, (60, 60, 60)),
+}
 # Height of the title's letters, mm on paper.
 TITLE = 5.0
 # Margin between parts, between the drawing and its frame, and from the frame to the edge of the paper, mm.
@@ -113,29 +125,23 @@ def dimensioned_drawing(job: Job) -> DimensionedDrawing:
     scale = drawing_scale(job.exact)
     cells = [_cell(job, exact, solid, scale) for exact, solid in zip(job.exact, job.solids)]
     boxes = [cell.box for cell in cells]
-    widest = max((high - low).real for low, high in boxes)
+    sizes = [high - low for low, high in boxes]
     title = _title(job, scale)
     low, high = title.box
     block, inner = high - low + CLEAR * (1 + 1j), 2 * (FRAME + CLEAR)
-    room = sum((b - a + CLEAR).real * (b - a + CLEAR * 1j).imag for a, b in boxes)
-    own = float(np.ceil(max(widest, block.real, 1.3 * room**0.5) + inner))
+    room = sum((size + CLEAR).real * (size + CLEAR * 1j).imag for size in sizes)
+    own = float(np.ceil(max(1.3 * room**0.5, block.real, *(size.real for size in sizes)) + inner))
     for width, height in (*PAPERS, (own, np.inf)):
-        if width < max(widest, block.real) + inner:
-            continue
-        places, used = _rows(boxes, width - inner)
-        # The title block is in the lower right corner, also next to parts.
-        right = width - FRAME - CLEAR - block.real
-        ends = [(place + b).real + FRAME + CLEAR for place, (_, b) in zip(places, boxes)]
-        lows = [(place + a).imag for place, (a, _) in zip(places, boxes)]
-        beside = min((low for low, end in zip(lows, ends) if end > right), default=0.0)
-        least = max(used + inner, block.imag - beside + inner)
-        if least <= height:
+        if (places := _packed(sizes, complex(width - inner, height - inner), block)) is not None:
             break
-    height = float(np.ceil(least)) if height == np.inf else height
+    if height == np.inf:
+        height = float(
+            np.ceil(max(size.imag - place.imag for size, place in zip(sizes, places or ())) + block.imag + inner)
+        )
     page = DrawingCanvas(job.unit)
     top_left = complex(FRAME + CLEAR, height - FRAME - CLEAR)
-    for cell, place in zip(cells, places):
-        page.take(cell, top_left + place)
+    for cell, place, (start, end) in zip(cells, places or (), boxes):
+        page.take(cell, top_left + place - complex(start.real, end.imag))
     page.take(title, complex(width - FRAME, FRAME) - complex(high.real, low.imag))
     across, up = width - 2 * FRAME, height - 2 * FRAME
     corners = np.array([0, across, complex(across, up), 1j * up])
@@ -144,17 +150,37 @@ def dimensioned_drawing(job: Job) -> DimensionedDrawing:
     return DimensionedDrawing(shapes, texts, dimensions, float(width), height, scale)
 
 
-def _rows(boxes: Sequence[tuple[complex, complex]], width: float) -> tuple[list[complex], float]:
-    """Shifts of boxes that place them in rows below y = 0, the highest first, and the height of all rows."""
-    sizes = [high - low for low, high in boxes]
-    places = [0j] * len(boxes)
-    x, y, row_height = 0.0, 0.0, 0.0
-    for k in sorted(range(len(boxes)), key=lambda k: (-round(sizes[k].imag, 3), k)):
-        if x and x + sizes[k].real > width:
-            x, y, row_height = 0.0, y - row_height - CLEAR, 0.0
-        places[k] = complex(x, y - sizes[k].imag) - boxes[k][0]
-        x, row_height = x + sizes[k].real + CLEAR, max(row_height, sizes[k].imag)
-    return places, row_height - y
+def _packed(sizes: Sequence[complex], room: complex, block: complex) -> list[complex] | None:
+    """Upper left corners of boxes below y = 0 in a room whose lower right corner is taken; None if they do not fit.
+
+    Each is as high as it can be below those before it (bottom-left, of a skyline): the highest first, or the widest.
+    """
+    orders = (sorted(range(len(sizes)), key=lambda k: (-round(side(sizes[k]), 3), k)) for side in (np.imag, np.real))
+    return next((places for order in orders if (places := _in_turn(sizes, order, room, block))), None)
+
+
+def _in_turn(sizes: Sequence[complex], order: Sequence[int], room: complex, block: complex) -> list[complex] | None:
+    places = [0j] * len(sizes)
+    # Left ends of the steps below what is placed, and their depths.
+    steps = [(0.0, 0.0)]
+    for k in order:
+        wide, high = sizes[k].real, sizes[k].imag
+        found = []
+        for x, _ in steps:
+            ends = [*(left for left, _ in steps[1:]), np.inf]
+            depth = max(depth for (left, depth), end in zip(steps, ends) if left < x + wide + CLEAR and end > x)
+            # The block has the same margin to the boxes as they have to each other.
+            is_beside = x + wide > room.real + CLEAR - block.real
+            if x + wide <= room.real and depth + high <= room.imag + is_beside * (CLEAR - block.imag):
+                found.append((depth, x))
+        if not found:
+            return None
+        depth, x = min(found)
+        places[k], right = complex(x, -depth), x + wide + CLEAR
+        after = max((step for step in steps if step[0] <= right), default=steps[0])[1]
+        kept = [step for step in steps if not x <= step[0] <= right]
+        steps = sorted([*kept, (x, depth + high + CLEAR), (right, after)])
+    return places
 
 
 def _title(job: Job, scale: float) -> DrawingCanvas:
@@ -200,9 +226,12 @@ def _cell(job: Job, exact: Cut, solid: Cut, scale: float) -> DrawingCanvas:
         contours[0] = rack.rest
     # Curves are drawn as chords, which are equal on every processor.
     drawn = [fine if contour else coarse for fine, coarse, contour in zip(exact.loops, solid.loops, contours)]
-    for loop in (*drawn, *solid.marks):
-        if loop.layer != "LABEL":
-            canvas.add(PART, scaled(loop.shape, scale))
+    for loop in drawn:
+        canvas.add(PART, scaled(loop.shape, scale))
+    for loop in solid.marks:
+        if loop.layer == MARK:
+            size = max(np.ptp(loop.points.real), np.ptp(loop.points.imag))
+            canvas.mark(scaled(loop.shape, scale), bool(size < LARGEST_LETTER and not isinstance(loop.shape, Circle)))
     features = _Features(exact, contours, job.unit, bool(data))
     located, datum = features.located, features.datum
     for place, radius in dict.fromkeys(located):
@@ -233,9 +262,12 @@ def _cell(job: Job, exact: Cut, solid: Cut, scale: float) -> DrawingCanvas:
     left = high.real + AWAY
     for table in tables:
         left = draw_table(canvas, table, complex(left, high.imag))
-    low = canvas.box[0]
+    low, high = canvas.box
     teeth = rack.lines(datum, job.unit) if rack else ()
-    for number, line in enumerate([*_facts(job, exact), *teeth, *features.patterns, *notes]):
+    # Sentences are no wider than the rest.
+    letters = max(FEWEST, int((high - low).real / width_of("x", LETTER)))
+    lines = [*_facts(job, exact), *teeth, *features.patterns, *notes]
+    for number, line in enumerate(line for sentence in lines for line in wrap(sentence, letters)):
         canvas.words(line, complex(low.real, low.imag - 2 * LETTER - number * LINE))
     return canvas
 
@@ -381,7 +413,7 @@ class _Features:
 
     def __init__(self, exact: Cut, contours: Sequence[_Contour | None], unit: LengthUnit, is_gear: bool) -> None:
         self.unit = unit
-        self.datum = self._datum(exact, contours)
+        self.datum = self._datum(exact, contours, is_gear)
         self.located: list[tuple[complex, float]] = [(self.datum, 0.0)]
         self.diameters: dict[str, Arcs] = {}
         self.radii: dict[str, Arcs] = {}
@@ -399,21 +431,24 @@ class _Features:
                 self._add_contour(contour)
                 openings.append((contour, []))
             elif contour is None and is_gear and loop is exact.loops[0]:
-                farthest = loop.points[int(np.argmax(np.round(np.abs(loop.points), 6)))]
+                spokes = loop.points - self.datum
+                farthest = spokes[int(np.argmax(np.round(np.abs(spokes), 6)))]
                 tip = float(np.abs(farthest))
-                self.diameters[f"Ø{length_text(2 * tip, unit)}"] = [(0j, tip, complex(farthest / tip))]
+                self.diameters[f"Ø{length_text(2 * tip, unit)}"] = [(self.datum, tip, complex(farthest / tip))]
         for _, turns in openings:
             if turns:
                 angles = ", ".join(f"{angle:.6g}" for angle in sorted(turns))
                 self.patterns.append(f"opening also turned about the datum by {angles} deg")
 
     @staticmethod
-    def _datum(exact: Cut, contours: Sequence[_Contour | None]) -> complex:
+    def _datum(exact: Cut, contours: Sequence[_Contour | None], is_gear: bool) -> complex:
         """The origin: the centre of a round outline or of a curve, a round hole or a bore, or the lower left corner."""
         if isinstance(outline := exact.loops[0].shape, Circle):
             return complex(outline.centre)
-        if contours[0] is None and exact.loops[1:]:
-            return 0j
+        if contours[0] is None and (exact.loops[1:] or is_gear):
+            # Of a gear that is placed on a body, its axis.
+            placed = exact.part.outline
+            return complex(placed.pose.origin) if isinstance(placed, Moved) else 0j
         holes = [complex(loop.shape.centre) for loop in exact.loops[1:] if isinstance(loop.shape, Circle)]
         fits = zip(contours[1:], exact.part.fits)
         holes += [_bore(contour) for contour, fit in fits if contour and fit and not fit.travel]

@@ -16,8 +16,8 @@ from ..plane.vec import Complex, Mask, Real, box_of, direction_deg, rounded
 from .cut import shape_box
 from .text import Text, width_of
 
-# Layers of visible edges, of centre lines and pitch circles, of dimension lines, and of texts.
-PART, CENTRE, DIM, WORDS = "PART", "CENTRE", "DIM", "TEXT"
+# Layers of visible edges, of engraved lines, of centre lines and pitch circles, of dimension lines, and of texts.
+PART, MARK, CENTRE, DIM, WORDS = "PART", "ENGRAVE", "CENTRE", "DIM", "TEXT"
 # Heights on paper, mm, of letters, and from line to line, legible on a workbench.
 LETTER, LINE = 3.0, 5.0
 # Distance of a dimension line from the part, length of extension lines beyond it, and half a tick, mm on paper.
@@ -32,6 +32,8 @@ ARC_DIRECTIONS_DEG = (-30, 30, -60, 60, 180, 150, -150)
 TRIED = 6
 # Tolerance of chords, mm on paper, when texts avoid lines, and the least distance of a text from a line.
 CHORDS, CLEARANCE = 0.1, 0.9
+# Distance at which lines end before engraved letters, and the shortest piece of a line that is drawn between them, mm.
+BEFORE, SHORTEST = 0.4, 1.0
 
 # Coordinates below this share of the largest are rounding errors.
 NOISE = 1e-6
@@ -105,6 +107,7 @@ class DrawingCanvas:
         self._starts: list[Complex] = []
         self._ends: list[Complex] = []
         self._corners = np.zeros((0, 2), dtype=complex)
+        self._letters = np.zeros((0, 2), dtype=complex)
 
     @property
     def all_texts(self) -> list[Text]:
@@ -134,10 +137,31 @@ class DrawingCanvas:
         self.texts += [replace(text, place=text.place + shift) for text in other.texts]
         self.dimensions += [dimension.moved(shift) for dimension in other.dimensions]
 
+    def mark(self, shape: Circle | Polyline, is_letter: bool) -> None:
+        """An engraved line. No other line but the part's own crosses a letter."""
+        self.add(MARK, shape)
+        if is_letter:
+            self._letters = np.concatenate([self._letters, [shape_box(shape)]])
+
+    def between_letters(self, start: complex, end: complex) -> list[Polyline]:
+        """The pieces of a straight line that are clear of engraved letters."""
+        margin = BEFORE * (1 + 1j)
+        low, high = self._letters[:, 0] - margin, self._letters[:, 1] + margin
+        enter, leave = within_box(np.array([start]), np.array([end]), low, high)
+        hidden = sorted(zip(enter[enter < leave].tolist(), leave[enter < leave].tolist()))
+        shares, at = [], 0.0
+        for low, high in [*hidden, (1.0, 1.0)]:
+            if (low - at) * abs(end - start) >= SHORTEST or not hidden:
+                shares.append((at, low))
+            at = max(at, high)
+        step = end - start
+        return [Polyline(np.array([start + a * step, start + b * step]), is_closed=False) for a, b in shares]
+
     def centre_mark(self, centre: complex, radius: float) -> None:
         """The centre lines of a circle."""
         for arm in ((radius + OVER), 1j * (radius + OVER)):
-            self.line(centre - arm, centre + arm, layer=CENTRE)
+            for line in self.between_letters(centre - arm, centre + arm):
+                self.add(CENTRE, line)
 
     def linear(self, start: complex, end: complex, away: complex, length: float) -> None:
         """A dimension between two points, its line shifted by `away` to a side, with the number outside of it."""
@@ -187,9 +211,9 @@ class DrawingCanvas:
                 points += [start * along + edge * across, end * along + (edge - jog) * across]
                 points.append(end * along + (edge - jog - 2) * across)
                 text = Text(DIM, words, points[-1] - across, LETTER, ends=True, turned=axis == "x")
-                line = Polyline(np.array(points), is_closed=False)
+                line = Polyline(np.array(points[1:]), is_closed=False)
                 ends = (datum * scale, place * scale, points[-1])
-                self._dimension(Dimension(axis, ends, text, (line,)))
+                self._dimension(Dimension(axis, ends, text, (*self.between_letters(*points[:2]), line)))
 
     def leader(self, words: str, circles: Sequence[tuple[complex, float, complex]], kind: DimensionKind) -> bool:
         """A text for equal circles or arcs, at the end of a leader from one of them; False if no place is free.
@@ -205,11 +229,11 @@ class DrawingCanvas:
                     side = 1.0 if direction.real >= 0 else -1.0
                     end = bend + 2 * side
                     text = Text(DIM, words, end + 1.5 * side, LETTER, starts=side > 0, ends=side < 0)
-                    if not self.is_free(text) or self._crosses_text((touch, bend, end)):
-                        continue
                     arrow = 2 * (bend - touch) / abs(bend - touch)
                     wings = [touch + arrow * complex(direction_deg(turn)) for turn in (15, -15)]
                     places = (touch, bend, end), (wings[0], touch, wings[1])
+                    if not self.is_free(text) or any(map(self._crosses_text, places)):
+                        continue
                     lines = tuple(Polyline(np.array(points), is_closed=False) for points in places)
                     first = centre if kind == "radius" else 2 * centre - touch
                     self._dimension(Dimension(kind, (first, touch), text, lines, measured=False))
@@ -249,9 +273,9 @@ class DrawingCanvas:
 
     @property
     def _boxes(self) -> tuple[Complex, Complex]:
-        """Lower left and upper right corners of all texts."""
-        if len(self._corners) < len(self.texts) + len(self.dimensions):
-            self._corners = np.array([text.box for text in self.all_texts])
+        """Lower left and upper right corners of all texts and engraved letters."""
+        if len(self._corners) < len(self.texts) + len(self.dimensions) + len(self._letters):
+            self._corners = np.concatenate([self._letters, *([text.box] for text in self.all_texts)])
         return self._corners[:, 0], self._corners[:, 1]
 
     def _dimension(self, dimension: Dimension) -> None:
@@ -274,22 +298,27 @@ class DrawingCanvas:
 
 def meets_box(starts: Complex, ends: Complex, low: complex | Complex, high: complex | Complex) -> Mask:
     """Whether segments meet boxes; one of both may be single."""
+    enter, leave = within_box(starts, ends, low, high)
+    met: Mask = enter <= leave
+    return met
+
+
+def within_box(starts: Complex, ends: Complex, low: complex | Complex, high: complex | Complex) -> tuple[Real, Real]:
+    """The shares of segments at which they enter boxes and leave them; the first is larger if they do not meet."""
     enter: Any = 0.0
     leave: Any = 1.0
-    outside: Any = False
     for a, b, least, most in (
         (starts.real, ends.real, low.real, high.real),
         (starts.imag, ends.imag, low.imag, high.imag),
     ):
         step = b - a
         flat = step == 0
-        outside = outside | flat & ((a < least) | (a > most))
         safe = np.where(flat, 1.0, step)
         one, two = (least - a) / safe, (most - a) / safe
-        enter = np.maximum(enter, np.where(flat, 0.0, np.minimum(one, two)))
+        is_within = (least <= a) & (a <= most)
+        enter = np.maximum(enter, np.where(flat, np.where(is_within, 0.0, 2.0), np.minimum(one, two)))
         leave = np.minimum(leave, np.where(flat, 1.0, np.maximum(one, two)))
-    met: Mask = ~outside & (enter <= leave)
-    return met
+    return enter, leave
 
 
 def _spread(positions: Real, gap: float) -> Real:

@@ -12,23 +12,22 @@ from ..core.records import record
 from ..core.units import MM, LengthUnit
 from ..model.limits import FitLimits
 from ..model.part import HoleFit, Part
+from ..plane.curve import Moved
 from ..plane.flatten import flatten
 from ..plane.joined import PolarArray
 from ..plane.primitives import Circle
-from ..plane.vec import Complex, Real
+from ..plane.vec import Real
 from .dimensions import length_text, without_noise
 from .job import Job
 
 # Steps, deg, of the table of a profile: the first one from which a cubic curve stays within the tolerance.
 STEPS_DEG = (10, 5, 3, 2, 1)
-# Points of a curve that has no single radius at each angle.
-POINTS = 72
 
 
 def profile_table(
     job: Job, part: Part, curve: Any, datum: complex, pitches: int = 1
 ) -> tuple[list[Sequence[str]], str]:
-    """The table of a curve by polar coordinates, or by points if it has no single radius at each angle.
+    """The table of a curve by polar coordinates, or by points if no smooth curve through radii is within the tolerance.
 
     Of a curve with equal pitches, such as teeth, it has the points of one.
     """
@@ -38,22 +37,8 @@ def profile_table(
     piece = curve.count if isinstance(curve, PolarArray) else pitches
     angle = np.unwrap(np.angle(dense))
     angle = angle if angle[-1] > angle[0] else -angle
-    is_star = piece == 1 and np.all(np.diff(angle) > 0) and abs(angle[-1] - angle[0]) > np.pi
-    if not is_star:
-        if isinstance(curve, PolarArray) and piece > 1:
-            share = curve.breaks[-1] / piece
-            points: Complex = without_noise(curve.point(np.linspace(0, share, POINTS + 1)) - datum)
-        else:
-            ring = np.append(dense, dense[0]) if curve.closed else dense
-            length = np.append(0.0, np.cumsum(np.abs(np.diff(ring))))
-            points = np.asarray(np.interp(np.linspace(0, length[-1] / piece, POINTS + 1), length, ring), dtype=complex)
-        rows: list[Sequence[str]] = [("point", "x", "y")]
-        rows += [
-            (str(k), *(length_text(value, unit) for value in (point.real, point.imag)))
-            for k, point in enumerate(points[: POINTS if curve.closed and piece == 1 else None].tolist())
-        ]
-        turns = f", one of {piece} equal pitches around the datum" if piece > 1 else ""
-        return rows, f"profile: points of the table, x and y from the datum{turns}"
+    if not (piece == 1 and np.all(np.diff(angle) > 0) and abs(angle[-1] - angle[0]) > np.pi):
+        return _point_table(job, curve, datum, piece)
     order = np.argsort(np.mod(np.angle(dense), 2 * np.pi))
     theta, radius = np.mod(np.angle(dense), 2 * np.pi)[order], np.abs(dense)[order]
     fine = np.radians(np.arange(0, 360, 0.25))
@@ -62,15 +47,36 @@ def profile_table(
         deviation = float(np.abs(_cubic(exact[:: 4 * step], 4 * step) - exact).max())
         if deviation <= tolerance:
             break
+    else:
+        # No cubic curve follows a corner.
+        return _point_table(job, curve, datum, piece)
     lift = _lifts(job, part, step)
     heading = ["angle", "radius", *(["lift"] if lift else [])]
-    rows = [heading]
+    rows: list[Sequence[str]] = [heading]
     for k, value in enumerate(exact[:: 4 * step].tolist()):
         rows.append([str(k * step), length_text(value, unit), *([lift[k]] if lift else [])])
     follower = " lift by the rotation of the cam, deg;" if lift else ""
     return rows, (
         f"radius of the profile by the angle from x, counterclockwise, deg;{follower}"
         f" a cubic curve through the rows is within {unit.of(deviation):.2g}"
+    )
+
+
+def _point_table(job: Job, curve: Any, datum: complex, pitches: int) -> tuple[list[Sequence[str]], str]:
+    """Corners of chords within the tolerance, of a curve with equal pitches those of one from end to end."""
+    unit = job.unit
+    points = without_noise(flatten(curve, job.tolerance) - datum)
+    if pitches > 1:
+        points = points[: len(points) // pitches + 1]
+    rows: list[Sequence[str]] = [("point", "x", "y")]
+    rows += [
+        (str(k), *(length_text(value, unit) for value in (point.real, point.imag)))
+        for k, point in enumerate(points.tolist())
+    ]
+    turns = f", one of {pitches} equal pitches around the datum" if pitches > 1 else ""
+    return rows, (
+        f"profile: points of the table, x and y from the datum{turns}; straight lines between them are within "
+        f"{unit.of(job.tolerance):.2g}"
     )
 
 
@@ -188,6 +194,9 @@ def _involute_data(job: Job, part: Part, measures: Mapping[str, Any]) -> list[tu
         ]
     rows.append(("profile shift coefficient", f"{measures['profile_shift']:.6g}"))
     rows.append(("tooth thickness at the pitch circle", size(measures["tooth_thickness"])))
+    # Involute outlines have a tooth along y, in the frame in which they are drawn.
+    placed = part.outline.pose.direction if isinstance(part.outline, Moved) else 1.0
+    rows.append(("middle of a tooth, from x", f"{float(np.degrees(np.angle(1j * placed))) % 360:.6g}°"))
     for circle in ("tip", "pitch", "base", "root"):
         # The tip circle of an outline has its diameter in the view.
         if f"{circle}_radius" in measures and (circle != "tip" or isinstance(part.outline, Circle)):

@@ -111,6 +111,8 @@ class Job:
         Names and colours of their layers.
     growth, foot : float
         Growth of prints, and chamfer of their lower edges, mm.
+    in_place : bool
+        Whether the assembly is printed in one piece.
     certificate : tuple of tuple of str
         Rows of the results of verifying the files, for the report; empty before they are verified.
     """
@@ -135,6 +137,7 @@ class Job:
     layers: LayerStyles = field(default_factory=LayerStyles)
     growth: float = 0.0
     foot: float = 0.0
+    in_place: bool = False
     certificate: tuple[tuple[str, ...], ...] = ()
 
     @property

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.processes import report
 from ..core.units import LengthUnit
-from ..plane.vec import Complex, Real, Whole, rounded
+from ..plane.vec import Complex, Real, Whole, rounded, xy
 from .cut import Cut, decimals
 from .job import Job
 from .layout import Sheet, lay_out, lay_out_on
@@ -126,22 +126,40 @@ TURN = 9
 
 
 def assembly_package(job: Job) -> bytes:
-    """The assembled parts, mm, z up, moved as one so that no coordinate is negative, as slicers expect."""
+    """The assembled parts, mm, z up, moved as one so that no coordinate is negative, as slicers expect.
+
+    Each is an object with its name, unless they are printed in place: slicers that take objects apart, or arrange them,
+    would move them, so that these are one mesh.
+    """
     _, placed = in_place(job)
     meshes = [solid(job.printed_cut(placement.part)) for placement in placed]
     unit = job.unit
+    corner = _corner(placed, meshes)
+    if job.in_place:
+        whole = mesh_object(1, job.name, _joined(placed, meshes, corner), unit)
+        return package([whole], ['<item objectid="1"/>'], job.stamp, unit)
     objects = [mesh_object(k, one.name, mesh, unit) for k, (one, mesh) in enumerate(zip(placed, meshes), 1)]
     parts = "".join(
         f'<component objectid="{k}" transform="{_matrix(placement, decimals(job.tolerance), unit)}"/>'
         for k, placement in enumerate(placed, 1)
     )
-    whole = len(placed) + 1
+    number = len(placed) + 1
     objects.append(
-        f'<object id="{whole}" name="{escape(job.name)}" type="model"><components>{parts}</components></object>'
+        f'<object id="{number}" name="{escape(job.name)}" type="model"><components>{parts}</components></object>'
     )
-    corner = unit.of(_corner(placed, meshes))
+    corner = unit.of(corner)
     place = f"1 0 0 0 1 0 0 0 1 {0 - corner.real:.9g} {0 - corner.imag:.9g} 0"
-    return package(objects, [f'<item objectid="{whole}" transform="{place}"/>'], job.stamp, unit)
+    return package(objects, [f'<item objectid="{number}" transform="{place}"/>'], job.stamp, unit)
+
+
+def _joined(placed: tuple[InPlace, ...], meshes: list[tuple[Real, Whole]], corner: complex) -> tuple[Real, Whole]:
+    """All parts where they stand as one mesh, with the lower left corner as its origin."""
+    points = []
+    for one, (corners, _) in zip(placed, meshes):
+        z = one.origin - corner + rounded(one.direction, TURN) * (corners[:, 0] + 1j * corners[:, 1])
+        points.append(np.column_stack([xy(z), corners[:, 2] + one.height]))
+    firsts = np.cumsum([0, *map(len, points)]).tolist()
+    return np.concatenate(points), np.concatenate([faces + first for (_, faces), first in zip(meshes, firsts)])
 
 
 def _corner(placed: tuple[InPlace, ...], meshes: list[tuple[Real, Whole]]) -> complex:

@@ -58,7 +58,8 @@ def bill(job: Job) -> Table:
     """The bill of materials: a row for each part, with its drawn width and height, mm, and for each bought item."""
     cuts, bought = job.solids, job.source.bought
     sizes = np.array([cut.box[1] - cut.box[0] for cut in cuts], dtype=complex)
-    no_sizes, no_joints = [np.nan] * len(bought), [""] * len(cuts)
+    no_sizes = [np.nan] * len(bought)
+    joints = [" ".join(letters) for letters in (*(cut.part.joints for cut in cuts), *(b.joints for b in bought))]
     return Table(
         (
             Column("item", "", "part or item", np.array([*(cut.part.name for cut in cuts), *(b.name for b in bought)])),
@@ -71,12 +72,7 @@ def bill(job: Job) -> Table:
             ),
             Column("width", "mm", "width along x", np.array([*sizes.real.tolist(), *no_sizes])),
             Column("height", "mm", "height along y", np.array([*sizes.imag.tolist(), *no_sizes])),
-            Column(
-                "joints",
-                "",
-                "joints or parts it belongs to",
-                np.array([*no_joints, *(" ".join(b.joints) for b in bought)]),
-            ),
+            Column("joints", "", "joints or parts it belongs to", np.array(joints)),
         )
     )
 

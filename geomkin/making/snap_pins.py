@@ -145,6 +145,7 @@ def pin_parts(places: Sequence[PinPlace]) -> tuple[Part, ...]:
             to_digits(group[0].pin.thickness),
             count=len(group),
             material=group[0].material,
+            joints=tuple(place.letter for place in group),
         )
         for name, group in alike(places).items()
     )

@@ -138,6 +138,8 @@ class Part:
         Fits of the holes in their order, None for an empty hole; may be shorter than `holes`.
     material : Material, optional
         Material of the sheet or print; None if unknown.
+    joints : tuple of str, optional
+        Letters of the joints that the copies of a printed pin make.
 
     Raises
     ------
@@ -167,6 +169,7 @@ class Part:
     twist: Twist | None = None
     fits: tuple[HoleFit | None, ...] = ()
     material: Material | None = None
+    joints: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         check_names("name", [self.name], "a part")

@@ -36,7 +36,19 @@ LEGIBLE = ["whitworth", "lantern", "herringbone-pair", "fit-test"]
 
 @pytest.mark.parametrize("name", by_default(sorted(path.stem for path in RECIPES.glob("*.toml")), LEGIBLE))
 def test_no_text_lies_on_another_or_on_a_line(name):
-    is_legible(dimensioned_drawing(job_of(name)))
+    made = dimensioned_drawing(job_of(name))
+    is_legible(made)
+    # A4 to A0 by the standard: each has twice the area of the one before.
+    assert (made.width, made.height) in [(297, 210), (420, 297), (594, 420), (841, 594), (1189, 841)]
+
+
+@pytest.mark.parametrize("count, paper", [(4, 297), (5, 420), (11, 420), (12, 594)])
+def test_discs_are_on_the_smallest_paper_that_has_room_for_them(count, paper):
+    """Each takes 66 mm by 66.5 mm with its sentences: three or four in a row of the two papers, less beside the title."""
+    parts = tuple(gk.Part(f"disc_{k}", Circle(0j, 25.0), (), 3.0) for k in range(count))
+    made = dimensioned_drawing(Job("discs", StaticSource(parts), 1e-3))
+    is_legible(made)
+    assert made.width == paper and sum(layer == "PART" for layer, _ in made.shapes) == count
 
 
 def is_legible(made):
@@ -49,6 +61,19 @@ def is_legible(made):
             (shapely.LinearRing if isinstance(shape, Circle) or shape.closed else shapely.LineString)(gk.plane.xy(ring))
         )
     assert len(boxes) > 5
+    # Engraved letters: open lines of a few mm. Only their own strokes and the edges of the part may meet their boxes.
+    strokes = [
+        gk.flatten(s, 0.01)
+        for layer, s in made.shapes
+        if layer == "ENGRAVE" and not (isinstance(s, Circle) or s.closed)
+    ]
+    letters = [z for z in strokes if max(np.ptp(z.real), np.ptp(z.imag)) < 6 * made.scale]
+    letters = [shapely.box(z.real.min(), z.imag.min(), z.real.max(), z.imag.max()) for z in letters]
+    kept = [layer not in ("ENGRAVE", "PART") for layer, _ in made.shapes] + [True] * sum(
+        len(d.lines) for d in made.dimensions
+    )
+    others = [*boxes, *(line for line, is_other in zip(lines, kept, strict=True) if is_other)]
+    assert not shapely.STRtree(others).query(np.array(letters, dtype=object), predicate="intersects").size
     tree = shapely.STRtree([*boxes, *lines])
     one, two = tree.query(boxes, predicate="intersects")
     assert (one == two).all()

@@ -6,11 +6,11 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-import trimesh
-from shapely import Polygon, distance, get_parts, linestrings, polygonize
+from shapely import distance
 
 import geomkin as gk
 from geomkin.build import check_recipe
+from tests.export.crossed import region
 
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
 STOCK = {"thickness": 6}
@@ -42,25 +42,20 @@ PAIR = {
 
 
 def bodies(path):
-    """The meshes in an assembly, in their places, by name."""
+    """The triangles (m, 3, 3) of each body of an assembly, which is one object."""
     root = ElementTree.fromstring(zipfile.ZipFile(path).read("3D/3dmodel.model"))
-    objects = {item.get("id"): item for item in root.iter(f"{CORE}object")}
-    placed = {}
-    for component in root.iter(f"{CORE}component"):
-        item = objects[component.get("objectid")]
-        corners = np.array([[float(v.get(axis)) for axis in "xyz"] for v in item.iter(f"{CORE}vertex")])
-        faces = [[int(t.get(f"v{k}")) for k in (1, 2, 3)] for t in item.iter(f"{CORE}triangle")]
-        matrix = np.array(component.get("transform").split(), dtype=float).reshape(4, 3)
-        placed[item.get("name")] = trimesh.Trimesh(corners @ matrix[:3] + matrix[3], faces, process=False)
-    return placed
-
-
-def section(mesh, height):
-    lines = trimesh.intersections.mesh_plane(mesh, [0, 0, 1], [0, 0, height])[:, :, :2]
-    # The faces of holes lie inside the material.
-    return max(
-        get_parts(polygonize(list(linestrings(np.round(lines, 6))))), key=lambda face: Polygon(face.exterior).area
-    )
+    (whole,), (item,) = root.iter(f"{CORE}object"), root.iter(f"{CORE}item")
+    assert item.get("objectid") == whole.get("id") and item.get("transform") is None
+    corners = np.array([[float(v.get(axis)) for axis in "xyz"] for v in whole.iter(f"{CORE}vertex")])
+    faces = np.array([[int(t.get(f"v{k}")) for k in (1, 2, 3)] for t in whole.iter(f"{CORE}triangle")])
+    assert corners.min() >= 0
+    # Corners that triangles join have one label, the least of all.
+    labels, before = np.arange(len(corners)), None
+    while before is None or (labels != before).any():
+        before = labels.copy()
+        np.minimum.at(labels, faces, labels[faces].min(axis=1)[:, None])
+        labels = labels[labels]
+    return [corners[faces[labels[faces[:, 0]] == one]] for one in np.unique(labels)]
 
 
 @pytest.mark.parametrize("table, layers", [(SET, 3), (PAIR, 2)], ids=["planetary", "pinion"])
@@ -72,7 +67,7 @@ def test_bodies_are_apart_in_every_layer(table, layers, tmp_path):
     assert len(meshes) == sum(part.count for part in recipe.parts)
     height, least = recipe.parts[0].thickness, []
     for level in np.linspace(0.01, 0.99, layers) * height:
-        shapes = [section(mesh, level) for mesh in meshes.values()]
+        shapes = [region(mesh, level) for mesh in meshes]
         least.append(min(distance(one, other) for one, other in combinations(shapes, 2)))
     growth = recipe.printing.growth
     # The written file is less the growth; the check states a lower bound of the design.

@@ -48,6 +48,11 @@ class Drawn:
         assert all(0 < z.real < w.real and 0 < z.imag < w.imag for z, w in zip(ends, ends[1:]))
         self.texts = [(t.dxf.text, planar(t.get_placement()[1])) for t in space.query("TEXT")]
         self.loops = [entity for entity in space if entity.dxf.layer == "PART"]
+        # Sizes for which there was no room at their holes, by the places of these.
+        noted = re.findall(rf"((?:\d+ x )?[DØ][^:]*): centre at ((?:{NUMBER}, {NUMBER}(?:; )?)+)", words_of(self))
+        self.noted = {
+            complex(*map(float, place.split(", "))): text for text, places in noted for place in places.split("; ")
+        }
         self.axes = {"x": [], "y": []}
         self.diameters, self.radii, self.datum = [], [], None
         for entity in space.query("DIMENSION"):
@@ -122,9 +127,8 @@ def tangent(edge, at_end):
     return direction / abs(direction)
 
 
-def rebuilt_contour(drawn, entity):
+def rebuilt_contour(drawn, pieces):
     """Points of a contour from its radii, the centres of its arcs, and its corners."""
-    pieces = edges(entity)
     count = len(pieces)
     corners = [
         abs(np.angle(tangent(pieces[(k + 1) % count], False) / tangent(pieces[k], True))) > 0.02 for k in range(count)
@@ -252,12 +256,12 @@ def table_of(drawn, heading):
 
 def check_profile(drawn, exact, tolerance):
     """A cam's or another curve's table against the exact curve."""
-    if any(text == "radius" for text, _ in drawn.texts):
+    words = words_of(drawn)
+    # In inches with two digits.
+    assert float(re.search(rf"within ({NUMBER})", words)[1]) <= 1.05 * tolerance
+    if "a cubic curve" in words:
         rows = table_of(drawn, ["angle", "radius"])
         assert rows[:, 0] == pytest.approx(np.arange(len(rows)) * 360 / len(rows))
-        within = float(
-            next(re.search(rf"is within ({NUMBER})", text)[1] for text, _ in drawn.texts if "within" in text)
-        )
         # A periodic cubic spline, which is another curve than that of the writer.
         count, radius = len(rows), rows[:, 1]
         matrix = 4 * np.eye(count) + np.roll(np.eye(count), 1, 0) + np.roll(np.eye(count), -1, 0)
@@ -270,17 +274,16 @@ def check_profile(drawn, exact, tolerance):
             + t * t * (3 - 2 * t) * after
             + t * t * (t - 1) * slope_after
         )
-        z = r.T.ravel() * np.exp(2j * np.pi * np.arange(20 * count) / (20 * count))
-        assert apart(z, exact) < 1.5 * within + tolerance
-        return
-    rows = table_of(drawn, ["x", "y"])
-    curve = shapely.LinearRing(xy(exact))
-    assert len(rows) > 70
-    assert shapely.distance(shapely.points(rows), curve).max() < tolerance + ROUNDING
-    # Of a curve with pitches the table has a whole one: its ends differ by a turn.
-    if pitches := re.search(r"one of (\d+) equal pitches", words_of(drawn)):
-        ends = rows[[0, -1]] @ [1, 1j]
-        assert ends[1] / ends[0] == pytest.approx(np.exp(2j * np.pi / int(pitches[1])), abs=1e-3)
+        made = r.T.ravel() * np.exp(2j * np.pi * np.arange(20 * count) / (20 * count))
+    else:
+        # Straight lines between the points, of a curve with pitches those of one, repeated.
+        made = table_of(drawn, ["x", "y"]) @ [1, 1j]
+        if pitches := re.search(r"one of (\d+) equal pitches", words):
+            count = int(pitches[1])
+            step = 2 * np.pi / count * np.sign(np.angle(made[-1] / made[0]))
+            assert made[-1] / made[0] == pytest.approx(np.exp(1j * step), abs=1e-3)
+            made = (np.exp(1j * step * np.arange(count))[:, None] * made[:-1]).ravel()
+    assert apart(made, exact) < tolerance + 2 * ROUNDING
 
 
 def cut_tooth(teeth, alpha, pitch, tip, root, thickness, fillet):
@@ -303,8 +306,38 @@ def cut_tooth(teeth, alpha, pitch, tip, root, thickness, fillet):
     return blank.difference(shapely.union_all(spaces))
 
 
+def shaped_space(teeth, tool_teeth, alpha, pitch, root, tip, thickness, fillet, shift):
+    """The space of a ring between two teeth, shaped by a pinion cutter with round corners that rolls in the ring.
+
+    The distance of the axes follows from the shift of the profile, and the width of the cutter's teeth from the space.
+    """
+    own, involute = tool_teeth * pitch / teeth, np.tan(alpha) - alpha
+    wider = 2 * np.tan(alpha) * shift / (teeth - tool_teeth)
+    half = (2 * np.pi * pitch / teeth - thickness - 2 * (pitch - own) * wider) / (2 * own)
+    low, high = alpha / 2, 1.2
+    while high - low > 1e-13:
+        middle = (low + high) / 2
+        low, high = (middle, high) if np.tan(middle) - middle < involute + wider else (low, middle)
+    distance = (pitch - own) * np.cos(alpha) / np.cos(low)
+    base, end = own * np.cos(alpha), root - distance
+    t = np.linspace(0, np.sqrt((end / base) ** 2 - 1), 200)
+    flank = base * (1 - 1j * t) * np.exp(1j * t) * np.exp(1j * (-half - involute))
+    land = flank[-1] * np.exp(1j * np.linspace(0, -np.angle(flank[-1]), 30))
+    side = np.concatenate([[0.7 * base * np.exp(1j * (-half - involute))], flank, land])
+    cutter = np.concatenate([side, np.conj(side[::-1])])
+    cutter = shapely.Polygon(xy(cutter)).buffer(-fillet, quad_segs=90).buffer(fillet, quad_segs=90)
+    z = shapely.get_coordinates(cutter.exterior) @ [1, 1j]
+    turns = np.linspace(-1.2, 1.2, 900)
+    places = [
+        shapely.Polygon(xy((distance + z * np.exp(1j * turn)) * np.exp(-1j * turn * tool_teeth / teeth)))
+        for turn in turns
+    ]
+    hole = shapely.union_all(places).union(shapely.Point(0, 0).buffer(tip, quad_segs=3000))
+    return hole
+
+
 def check_gear(drawn, exact, centre, tolerance):
-    """Teeth from the table: cut by a rolling rack of its sizes, and compared with the outline of one tooth."""
+    """Teeth from the table: cut by a rolling tool of its sizes, and compared with the outline of one tooth."""
     words = words_of(drawn)
 
     def value(name):
@@ -312,57 +345,67 @@ def check_gear(drawn, exact, centre, tolerance):
 
     teeth = int(value("teeth"))
     root, base, pitch = (value(f"{circle} dia") / 2 for circle in ("root", "base", "pitch"))
-    radii, thickness = np.abs(exact - centre), value("thickness at the pitch circle")
-    inner = "tip dia" in words
-    assert (radii.max() if inner else radii.min()) == pytest.approx(root, abs=0.01)
+    thickness, inner = value("thickness at the pitch circle"), "tip dia" in words
     assert base == pytest.approx(pitch * np.cos(np.radians(value("pressure angle"))), abs=0.001)
-    ring = shapely.Polygon(xy(exact - centre))
-    ends = (radii.min(), radii.mean()) if inner else (0.4 * radii.max() + 0.6 * max(base, root), radii.max())
-    for radius in np.linspace(*ends, 6)[1:-1]:
-        # Thickness on other circles follows from that on the pitch circle (ISO 21771).
-        alpha, at = np.arccos(base / radius), np.arccos(base / pitch)
-        angle = thickness / pitch - (1 if not inner else -1) * 2 * ((np.tan(alpha) - alpha) - (np.tan(at) - at))
-        if inner:
-            angle = 2 * np.pi / teeth - angle
-        inside = shapely.Point(0, 0).buffer(radius, quad_segs=4000).exterior.intersection(ring)
-        assert inside.length / teeth == pytest.approx(angle * radius, abs=0.01)
-    if inner or "fillet at the root" in words or "tip rounding" in words or "tip chamfer" in words:
+    assert "tip rounding" not in words and "tip chamfer" not in words
+    z = (exact - centre) * np.exp(1j * (np.pi / 2 - np.radians(value("middle of a tooth, from x"))))
+    alpha, fillet = np.radians(value("pressure angle")), value("(?:tip radius|fillet at the root) of the [a-z]+ cutter")
+    if inner:
+        sizes = teeth, int(value("teeth of the pinion cutter")), alpha, pitch, root, value("tip dia") / 2
+        shift = value("profile shift coefficient") - value(rf"teeth of the pinion cutter {NUMBER}, profile shift")
+        shaped = shaped_space(*sizes, thickness, fillet, shift)
+        # In x direction there is a space, half a pitch from a tooth.
+        z = z * np.exp(1j * np.pi * (1 / teeth - 0.5))
+        made, own = shaped, z[np.abs(np.angle(z)) < np.pi / teeth]
+    else:
+        tip = max(diameter(text) for _, text in drawn.diameters) / 2
+        made = cut_tooth(teeth, alpha, pitch, tip, root, thickness, fillet)
+        own = z[np.abs(np.angle(z / 1j)) < np.pi / teeth]
+    assert len(own) > 5 and shapely.distance(shapely.points(xy(own)), made.exterior).max() < tolerance + 2 * ROUNDING
+
+
+def check_helix(drawn, part):
+    """The turn of the teeth over the face, from lead and hand."""
+    words = words_of(drawn)
+    if part.twist is None:
+        assert " lead " not in words
         return
-    tip = max(diameter(text) for _, text in drawn.diameters) / 2
-    sizes = teeth, np.radians(value("pressure angle")), pitch, tip, root, thickness
-    tooth = cut_tooth(*sizes, value("tip radius of the rack cutter"))
-    z = exact - centre
-    own = z[np.abs(np.angle(z / 1j)) < np.pi / teeth]
-    assert shapely.distance(shapely.points(xy(own)), tooth.exterior).max() < tolerance + 2 * ROUNDING
+    share = 0.5 if ", herringbone" in words else 1.0
+    hand = re.search(r"hand (right|left)", words)[1]
+    turn = (
+        2
+        * np.pi
+        * share
+        * float(re.search(r", t = ([\d.]+)", words)[1])
+        / float(re.search(rf" lead ({NUMBER})", words)[1])
+    )
+    assert part.twist.turn == pytest.approx(turn if hand == "right" else -turn, rel=1e-4), (share, part.twist)
 
 
-def check_rack(drawn, exact):
-    """Teeth of a rack from their sentence: the material above the root line."""
+def check_rack(drawn, entity, exact, tolerance):
+    """A rack from the sentence on its teeth, and from the coordinates of its corners below them."""
     words = words_of(drawn)
     sizes = ("teeth", "pitch", "angle", "tip", "depth", r"fillet R", "first tip at x", ", y")
     count, pitch, angle, width, depth, fillet, x, y = (float(re.search(rf"{s} ?({NUMBER})", words)[1]) for s in sizes)
-    lean = np.tan(np.radians(angle))
-    solid = shapely.Polygon(xy(exact))
-    top = solid.intersection(shapely.box(x - width / 2 - 2 * depth, y - depth, x + count * pitch, y + 1))
-    made = []
-    for k in range(int(count)):
-        half = np.array([width / 2, width / 2 + depth * lean])
-        z = (
-            x
-            + k * pitch
-            + np.array([half[0] + 1j * y, -half[0] + 1j * y, -half[1] + 1j * (y - depth), half[1] + 1j * (y - depth)])
-        )
-        made.append(shapely.Polygon(xy(z)))
-    base = shapely.box(x - pitch, y - 2 * depth, x + count * pitch, y - depth)
+    half = np.array([width / 2, width / 2 + depth * np.tan(np.radians(angle))])
+    tooth = np.array([half[0], -half[0], -half[1] - 1j * depth, half[1] - 1j * depth]) + x + 1j * y
+    # Below the teeth the contour has coordinates of its own; their roots are on one line.
+    (root,) = {z.imag for z, v in drawn.axes["y"] if abs(v - (y - depth)) < SAME}
+    below = [edge for edge in edges(entity) if min(edge[0].imag, edge[1].imag) < root - SAME]
+    first = next(k for k, edge in enumerate(below) if abs(edge[0] - below[k - 1][1]) > SAME)
+    below = [*below[first:], *below[:first]]
+    body = rebuilt_contour(drawn, [*below, [below[-1][1], below[0][0], 0.0, None]])
+    pieces = [shapely.Polygon(xy(z)) for z in (body, *(tooth + k * pitch for k in range(int(count))))]
     # The fillet rounds the inner corners with the root line.
-    rounded = shapely.union_all([*made, base]).buffer(fillet, quad_segs=60).buffer(-fillet, quad_segs=60)
-    rounded = rounded.intersection(shapely.box(x - pitch / 2, y - depth, x + (count - 0.5) * pitch, y + 1))
-    inner = shapely.box(x - width, y - depth, x + (count - 1) * pitch + width, y + 1)
-    assert rounded.symmetric_difference(top).intersection(inner).area < 0.01 * count * depth
+    made = shapely.union_all(pieces).buffer(fillet, quad_segs=60).buffer(-fillet, quad_segs=60)
+    assert apart(made, exact) < tolerance + 2 * ROUNDING
 
 
 def check(part, recipe):
     drawn, tolerance = Drawn(part, recipe), recipe.files.tolerance
+    count, thickness = re.search(rf"{re.escape(part.name)}: (\d+) pieces?, t = ({NUMBER})", words_of(drawn)).groups()
+    assert (int(count), float(thickness)) == (part.count, pytest.approx(part.thickness, abs=ROUNDING))
+    check_helix(drawn, part)
     exact = [gk.flatten(curve, tolerance / 20) for curve in (part.outline, *part.holes)]
     words = words_of(drawn)
     is_gear = "teeth " in words
@@ -371,7 +414,8 @@ def check(part, recipe):
         fit = part.fits[k - 1] if 0 < k <= len(part.fits) else None
         if entity.dxftype() == "CIRCLE":
             at = drawn.place(planar(entity.dxf.center))
-            size = diameter(drawn.callout(2 * entity.dxf.radius, drawn.diameters))
+            near = [text for place, text in drawn.noted.items() if abs(place - at) < SAME]
+            size = diameter(near[0] if near else drawn.callout(2 * entity.dxf.radius, drawn.diameters))
             rebuilt.append(at + size / 2 * np.exp(2j * np.pi * np.arange(1000) / 1000))
         elif fit:
             rebuilt.append(slot_or_bore(drawn, entity, fit.travel > 0))
@@ -380,7 +424,7 @@ def check(part, recipe):
         else:
             turned = k > 0 and re.search(r"opening also turned about the datum by ([\d., ]+) deg", words)
             try:
-                rebuilt.append(rebuilt_contour(drawn, entity))
+                rebuilt.append(rebuilt_contour(drawn, edges(entity)))
             except AssertionError:
                 # A repeated opening has no numbers of its own.
                 assert turned and rebuilt[-1] is not None
@@ -393,12 +437,12 @@ def check(part, recipe):
                 turns = [first * np.exp(1j * np.radians(angle)) for angle in angles]
                 centre = datum_of(part, exact)
                 rebuilt.append(min(turns, key=lambda z: apart(z, curve - centre)))
-    centre = datum_of(part, exact)
+    centre = 0j if is_gear and not part.holes else datum_of(part, exact)
     for k, (made, curve) in enumerate(zip(rebuilt, exact)):
         if made is not None:
             assert apart(made, curve - centre) < tolerance + 2 * ROUNDING, f"loop {k}"
         elif "first tip" in words:
-            check_rack(drawn, curve - centre)
+            check_rack(drawn, loops[k], curve - centre, tolerance)
         elif is_gear and "base dia" in words:
             check_gear(drawn, curve, 0j, tolerance)
         else:
@@ -409,6 +453,8 @@ def datum_of(part, exact):
     """The datum as the drawing states it: a bore, the centre, or the lower left corner."""
     if isinstance(part.outline, gk.plane.Circle):
         return complex(part.outline.centre)
+    if isinstance(part.outline, gk.plane.Moved):
+        return complex(part.outline.pose.origin)
     holes = [complex(hole.centre) for hole in part.holes if isinstance(hole, gk.plane.Circle)]
     for hole, fit in zip(part.holes, part.fits):
         if fit and not fit.travel and not isinstance(hole, gk.plane.Circle):

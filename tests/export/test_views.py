@@ -87,7 +87,7 @@ def test_coordinates_that_are_rounding_errors_are_nothing():
 
 
 def test_columns_of_a_table_are_equally_long():
-    made = drawing(gk.load("recipes/straight-sided.toml"))
+    made = drawing(gk.load("recipes/undercut-cam.toml"))
     heads = [text for text in made.texts if text.text == "point"]
     rows = [
         sum(

@@ -12,6 +12,7 @@ from ...core.fields import entry, to_digits
 from ...core.records import record
 from ...core.units import UNITS
 from ...gear.checks import mesh_checks
+from ...gear.kinds.helical import gear_notes, mesh_notes
 from ...making.attachments import hub_thickness
 from ...making.materials import MATERIALS
 from ...making.motors import engagement_check
@@ -215,8 +216,22 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
         """Range of the driver and links that turn fully; masses and the stack of plates."""
         found = {name: [to_digits(end, 10) for end in ends] for name, ends in self.swings.items()}
-        before = {**self.made.reaches(self.made.branch), **({"swings_deg": found} if found else {}), **self.turning}
+        swung = {"swings_deg": found} if found else {}
+        before = {**self.made.reaches(self.made.branch), **swung, **self.turning, **self._gear_notes}
         return before, {**mass_summary(self), "stack": self.made.stack_summary}
+
+    @property
+    def _gear_notes(self) -> Mapping[str, object]:
+        """Data of the gears of meshes by their plates, and of the meshes."""
+        wheels = {name: plate for name, plate in self.made.stack.plates.items() if plate.wheel}
+        names = {plate.body: name for name, plate in wheels.items()}
+        linkage = self.linkage.linkage
+        meshes = {
+            "_and_".join(names[body] for body in mesh.bodies): mesh_notes(gear_pair(mesh, linkage, self.stock))
+            for mesh in linkage.meshes
+        }
+        measures = {name: gear_notes(plate.wheel.gear) for name, plate in wheels.items() if plate.wheel}
+        return {**meshes, "measures_mm": measures} if meshes else {}
 
     @cached_property
     def swings(self) -> Mapping[str, tuple[float, float]]:
