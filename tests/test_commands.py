@@ -87,7 +87,9 @@ def test_a_pair_without_backlash_is_advised_an_allowance_that_leaves_some(comman
     thinner = {key: replace(getattr(pair, key), tooth_thickness_allowance=0.05) for key in ("first", "second")}
     assert "tooth_thickness_allowance" in advice and not replace(pair, **thinner).remarks
     machine = gk.recipe.recipe_class("machine").remarks.fget
-    assert machine(SimpleNamespace(recipes={"gears": pair})) == (f"gears: {advice}",)
+    assert machine(SimpleNamespace(recipes={"gears": pair}, torques=SimpleNamespace(walking=None))) == (
+        f"gears: {advice}",
+    )
 
 
 def test_strict_gives_failed_checks_an_exit_status_of_their_own(command, tmp_path):

@@ -30,7 +30,7 @@ from ...recipe.settings import Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..joints.slide import are_equal
 from ..linkage import AbstractLinkage
-from ..measures import steady_bodies, swings
+from ..measures import steady_bodies
 from ..motion import motion_table
 from ..parts.counterweight_plates import RoundEnd
 from ..parts.flywheel import Flywheel
@@ -185,7 +185,7 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         pairs = ((mesh.name, gear_pair(mesh, self.linkage.linkage, self.stock)) for mesh in meshes)
         gears = (check for name, pair in pairs for check in mesh_checks(pair, name))
         checks = (*self.motion_checks, hole, collision_check(collisions, advice), *gears)
-        return (*checks, self._attachment_check()) if self.stock.attachments else checks
+        return (*checks, _attachment_check(self.made)) if self.stock.attachments else checks
 
     @property
     def engagement_checks(self) -> Iterator[Check]:
@@ -200,14 +200,6 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
         if self.has_snap_pins:
             yield from self.made.snap_checks
 
-    def _attachment_check(self) -> Check:
-        made = self.made
-        passing = list(passed_attachments(made.fine_motion, made.stock, made.stack.plates, made.stack.layers))
-        pairs = ", ".join(f"{plate} over the {item}" for item, plate in passing)
-        advice = f"{pairs}: give another place, thinner screws, or screws with sunk heads and no nuts"
-        name = "plates that pass over attachments and their screws"
-        return Check("attachments_passed", name, len(passing), "at most", 0, "", advice)
-
     @property
     def motion_checks(self) -> tuple[Check, ...]:
         return (*linkage_checks(self.motion), *self.input_range.checks)
@@ -215,35 +207,17 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
     @property
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
         """Range of the driver and links that turn fully; masses and the stack of plates."""
-        found = {name: [to_digits(end, 10) for end in ends] for name, ends in self.swings.items()}
+        found = {name: [to_digits(end, 10) for end in ends] for name, ends in self.made.swings.items()}
         swung = {"swings_deg": found} if found else {}
-        before = {**self.made.reaches(self.made.branch), **swung, **self.turning, **self._gear_notes}
+        before = {**self.made.reaches(self.made.branch), **swung, **self.turning, **_gear_notes(self.made)}
         return before, {**mass_summary(self), "stack": self.made.stack_summary}
-
-    @property
-    def _gear_notes(self) -> Mapping[str, object]:
-        """Data of the gears of meshes by their plates, and of the meshes."""
-        wheels = {name: plate for name, plate in self.made.stack.plates.items() if plate.wheel}
-        names = {plate.body: name for name, plate in wheels.items()}
-        linkage = self.linkage.linkage
-        meshes = {
-            "_and_".join(names[body] for body in mesh.bodies): mesh_notes(gear_pair(mesh, linkage, self.stock))
-            for mesh in linkage.meshes
-        }
-        measures = {name: gear_notes(plate.wheel.gear) for name, plate in wheels.items() if plate.wheel}
-        return {**meshes, "measures_mm": measures} if meshes else {}
-
-    @cached_property
-    def swings(self) -> Mapping[str, tuple[float, float]]:
-        """Least and largest direction, deg, of each body that swings about a fixed pin."""
-        return swings(self.motion)
 
     @property
     def facts(self) -> tuple[str, ...]:
         """How far bodies swing."""
         return tuple(
             f"{name.replace('_', ' ')} swings by {most - least:.5g} deg, from {least:.5g} to {most:.5g} deg"
-            for name, (least, most) in self.swings.items()
+            for name, (least, most) in self.made.swings.items()
         )
 
     @cached_property
@@ -304,6 +278,27 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
     def turning(self) -> Mapping[str, object]:
         """Summary of the links that turn fully, if there is a rule."""
         return {}
+
+
+def _attachment_check(made: MadeLinkage) -> Check:
+    passing = list(passed_attachments(made.fine_motion, made.stock, made.stack.plates, made.stack.layers))
+    pairs = ", ".join(f"{plate} over the {item}" for item, plate in passing)
+    advice = f"{pairs}: give another place, thinner screws, or screws with sunk heads and no nuts"
+    name = "plates that pass over attachments and their screws"
+    return Check("attachments_passed", name, len(passing), "at most", 0, "", advice)
+
+
+def _gear_notes(made: MadeLinkage) -> Mapping[str, object]:
+    """Data of the gears of meshes by their plates, and of the meshes."""
+    wheels = {name: plate for name, plate in made.stack.plates.items() if plate.wheel}
+    names = {plate.body: name for name, plate in wheels.items()}
+    linkage = made.linkage.linkage
+    meshes = {
+        "_and_".join(names[body] for body in mesh.bodies): mesh_notes(gear_pair(mesh, linkage, made.stock))
+        for mesh in linkage.meshes
+    }
+    measures = {name: gear_notes(plate.wheel.gear) for name, plate in wheels.items() if plate.wheel}
+    return {**meshes, "measures_mm": measures} if meshes else {}
 
 
 @record(kw_only=True)

@@ -26,6 +26,7 @@ from ...recipe.settings import Stroke, Turn
 from ..drive_limits import driver_limits
 from ..instant.components import component_columns, number_of_components
 from ..linkage import AbstractLinkage
+from ..measures import swings
 from ..motion import Motion, motion_table
 from ..moving import move
 from ..parts.counterweight_plates import RoundEnd
@@ -83,6 +84,11 @@ class DrivenLinkage:
     def motion(self) -> Motion:
         """The linkage at the frames of the table."""
         return self.moved(self.input_range.frames)
+
+    @cached_property
+    def swings(self) -> Mapping[str, tuple[float, float]]:
+        """Least and largest direction, deg, of each body that swings about a fixed pin."""
+        return swings(self.motion)
 
     @cached_property
     def fine_motion(self) -> Motion:
