@@ -150,7 +150,8 @@ class MachineRecipe(AbstractAssembledRecipe):
             if not bodies[name]:
                 problem = f"this {recipe.kind} has no driver that makes whole turns on a fixed shaft and moves others"
                 remedy = (
-                    "give a linkage whose crank turns by 360 deg, a cam, Geneva drive, ratchet, belt, or gears in mesh"
+                    "give a linkage whose crank turns by 360 deg, a cam, Geneva drive or ratchet, a belt or chain, or "
+                    "gears in mesh"
                 )
                 raise DesignError(f"mechanisms.{name}.recipe", problem, remedy, "conflict")
         return ShaftGraph(bodies, {name: mechanism.turned_by for name, mechanism in self.mechanisms.items()})
