@@ -32,7 +32,7 @@ from ..model.part import Part
 from ..model.scene import SceneBody
 from ..plane.primitives import Circle, rounded_hull
 from ..plane.vec import Complex, Real, spaced_directions
-from .wheel import GenevaWheel
+from .wheel import GenevaWheel, lock_inside
 
 
 @record(checked=True)
@@ -119,7 +119,7 @@ class GenevaPlates:
         if not wheel.internal:
             return np.zeros(0, dtype=complex)
         direction = np.exp(1j * (np.pi - wheel.half_motion) / 2)
-        radius = (wheel.lock_inside / direction.real + wheel.lock_radius) / 2
+        radius = (lock_inside(wheel) / direction.real + wheel.lock_radius) / 2
         return np.array([-radius * direction, -radius * direction.conjugate()])
 
     @property
@@ -127,7 +127,7 @@ class GenevaPlates:
         """Least distance of those pins from the sides of the lock, mm."""
         wheel, place = self.wheel, complex(self.lock_pins[0])
         side = abs(place) * float(np.sin((np.pi - wheel.half_motion) / 2))
-        return min(wheel.lock_radius - abs(place), -place.real - wheel.lock_inside, side)
+        return min(wheel.lock_radius - abs(place), -place.real - lock_inside(wheel), side)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:

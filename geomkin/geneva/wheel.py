@@ -101,7 +101,11 @@ class GenevaWheel:
         if pins > (most := most_pins(slots, self.internal)):
             problem = f"found {pins} for {slots} slots, so that the wheel never rests"
             raise DesignError("pins", problem, f"give at most {most}", "conflict")
-        widest = 2 * self._widest_half - self.clearance
+        if self.internal:
+            half = (1 - LEAST_LOCK) * self.crank_radius - self.clearance / 2
+        else:
+            half = min(self._floor * self.ratio, self.crank_radius - self.distance + self._mouth)
+        widest = 2 * half - self.clearance
         if self.roller >= widest:
             problem = f"found {mm(self.roller):g}, which leaves the wheel no room between its {slots} slots"
             remedy = "give a larger distance" + (f", or less than {mm(widest):down}" if widest > 0 else "")
@@ -188,29 +192,6 @@ class GenevaWheel:
         return self.distance - self.sense * (self.crank_radius + self.clearance)
 
     @property
-    def _widest_half(self) -> float:
-        """Half the width of a slot, mm, that leaves no wheel."""
-        if self.internal:
-            return (1 - LEAST_LOCK) * self.crank_radius - self.clearance / 2
-        sine = float(np.sin(np.pi / self.numbers[0]))
-        return min(self._floor * sine, self.crank_radius - self.distance + self._mouth)
-
-    @property
-    def _tip(self) -> float:
-        """Angle at the wheel's axis from the middle of a locking arc to the end of this arc, rad."""
-        radius = self.lock_radius + self.clearance / 2
-        return float(np.arccos((self.distance**2 + self.rim**2 - radius**2) / (2 * self.distance * self.rim)))
-
-    @property
-    def _swept(self) -> float:
-        """Distance from the axis of an internal wheel's crank to what its tips sweep opposite the pin, mm, at most.
-
-        The middle line of a tip's slot passes the pin, from which the tip is farthest on the line of centres.
-        """
-        tip = self.rim * np.exp(1j * (np.pi / self.numbers[0] - self._tip))
-        return float(abs(self.distance + self.crank_radius - tip)) - self.crank_radius
-
-    @property
     def rim(self) -> float:
         """Radius of the wheel at its tips, mm: its largest, or of an internal wheel its smallest."""
         return float(np.hypot(self._mouth, self.half_width))
@@ -243,11 +224,6 @@ class GenevaWheel:
         radius = self.lock_radius + self.clearance / 2
         cosine = (self.distance**2 + radius**2 - self.rim**2) / (2 * self.distance * radius)
         return self.clearance / 2 / (self.distance * float(np.sqrt(1 - cosine**2)))
-
-    @property
-    def lock_inside(self) -> float:
-        """Distance of the straight side of an internal wheel's lock from the crank's axis, mm, amidst its room."""
-        return (self._swept + self.lock_radius * self.ratio) / 2
 
     def pin_angle(self, turn: ArrayLike) -> tuple[Real, Real]:
         """Angle from the line of centres of the pin nearest to it, rad, and steps made so far, at turns of the crank.
@@ -298,7 +274,7 @@ class GenevaWheel:
         slots, _ = self.numbers
         side, half, floor = np.exp(-1j * np.pi / slots), 1j * self.half_width, self._floor
         quarter, end = self.sense * np.pi / 2, floor - self.sense * self.half_width
-        edge = self._tip
+        edge = _arc_angle(self)
         corner, lock = (self._mouth + half) * side, self.rim * np.exp(-1j * edge)
         tip = -edge - float(np.angle(corner))
         seen = lock - self.distance
@@ -323,7 +299,7 @@ class GenevaWheel:
         free, step = self.half_motion, 2 * np.pi / pins
         edge = np.exp(1j * free)
         if self.internal:
-            far, near = self.lock_radius, self.lock_inside / self.ratio
+            far, near = self.lock_radius, lock_inside(self) / self.ratio
             ends = (far * edge, far / edge, near / edge, near * edge)
             sides = (Segment(complex(a), complex(b)) for a, b in pairwise((*ends[1:], ends[0])))
             return Path((Arc(0j, complex(far * edge), 2 * (np.pi - free)), *sides))
@@ -341,3 +317,20 @@ class GenevaWheel:
     def pin_places(self) -> Complex:
         """Pins about the crank's axis, mm, the first one on +x."""
         return self.crank_radius * spaced_directions(self.numbers[1])
+
+
+def _arc_angle(wheel: GenevaWheel) -> float:
+    """Angle at the wheel's axis from the middle of a locking arc to its end, rad."""
+    radius = wheel.lock_radius + wheel.clearance / 2
+    return float(np.arccos((wheel.distance**2 + wheel.rim**2 - radius**2) / (2 * wheel.distance * wheel.rim)))
+
+
+def lock_inside(wheel: GenevaWheel) -> float:
+    """Distance of the straight side of an internal wheel's lock from the crank's axis, mm, amidst its room.
+
+    Inside it the tips of the wheel pass: the middle line of a tip's slot passes the pin, from which the tip is farthest
+    on the line of centres.
+    """
+    tip = wheel.rim * np.exp(1j * (np.pi / wheel.numbers[0] - _arc_angle(wheel)))
+    swept = float(abs(wheel.distance + wheel.crank_radius - tip)) - wheel.crank_radius
+    return (swept + wheel.lock_radius * wheel.ratio) / 2

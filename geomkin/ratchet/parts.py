@@ -76,7 +76,8 @@ class RatchetPlates:
     @property
     def post(self) -> complex:
         """Pin in the base on which the spring is hooked, mm: it pulls the tail outwards, and so the nose inwards."""
-        return self.ratchet.tail - 1j * self.ratchet.bar * self.stock.spring
+        pawl = self.ratchet.pawl
+        return self.ratchet.pivot + pawl.tail - 1j * pawl.bar * self.stock.spring
 
     def spring_length(self, turn: Real) -> Real:
         """Distance of the spring's hooks, mm, at rotations of the wheel from where the pawl has just dropped."""
@@ -84,8 +85,8 @@ class RatchetPlates:
 
     def tail(self, turn: Real) -> Complex:
         """The spring's pin in the pawl, mm."""
-        ratchet = self.ratchet
-        return np.asarray(ratchet.pivot + (ratchet.tail - ratchet.pivot) * ratchet.pawl_direction(turn))
+        pawl = self.ratchet.pawl
+        return np.asarray(self.ratchet.pivot + pawl.tail * pawl.direction(turn))
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -98,10 +99,10 @@ class RatchetPlates:
         holes = bore(stock.pin, stock.clearance, width, "stock.pin")
         fits = fits_of(stock.pin, stock.clearance)
         if stock.spring:
-            holes += bore(stock.spring_pin, stock.clearance, width, "stock.spring_pin", ratchet.tail - ratchet.pivot)
+            holes += bore(stock.spring_pin, stock.clearance, width, "stock.spring_pin", ratchet.pawl.tail)
             fits += fits_of(stock.spring_pin, stock.clearance)
         names = ("B", "C")[: len(holes)]
-        pawl = replace(wheel, name="pawl", outline=ratchet.pawl_outline, holes=holes, body="pawl", hole_names=names)
+        pawl = replace(wheel, name="pawl", outline=ratchet.pawl.outline, holes=holes, body="pawl", hole_names=names)
         return wheel, replace(pawl, fits=fits), self._base
 
     @property
@@ -113,7 +114,9 @@ class RatchetPlates:
         if stock.bore or stock.motor:
             head = collar_across(stock.bore)
             openings.append(BaseOpening("a shaft", "stock.bore", stock.bore, (0j,), "A", head, stock.motor))
-        points = np.array([ratchet.pivot, ratchet.tail, ratchet.tip + 1j * (ratchet.pawl_width + ratchet.gap)])
+        points = np.array(
+            [ratchet.pivot, ratchet.pivot + ratchet.pawl.tail, ratchet.tip + 1j * (ratchet.pawl_width + ratchet.gap)]
+        )
         if stock.spring:
             openings.append(BaseOpening("the spring's pin", "stock.spring_pin", stock.spring_pin, (self.post,), "C"))
             points = np.append(points, self.post)
@@ -145,7 +148,7 @@ class RatchetPlates:
         still = turn * 0j
         yield SceneBody("ground", (base,), still, still + 1, 0, fixed=True)
         yield SceneBody("wheel", (wheel,), still, np.exp(1j * (turn + self.ratchet.backlash)), 1)
-        yield SceneBody("pawl", (pawl,), still + self.ratchet.pivot, self.ratchet.pawl_direction(turn), 1)
+        yield SceneBody("pawl", (pawl,), still + self.ratchet.pivot, self.ratchet.pawl.direction(turn), 1)
 
     @property
     def items(self) -> Mapping[str, str]:

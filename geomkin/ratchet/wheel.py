@@ -20,6 +20,8 @@ from ..plane.vec import Complex, Real, cross, dot
 LEAST_NOSE = 18.0
 # Angle by which the underside of the nose is steeper than any tooth below it, deg.
 OPEN = 1.0
+# Longest pawl over the diameter of the wheel: a longer one moves nearly straight, and loses digits.
+LONGEST_PAWL = 20.0
 # Positions of the wheel at which the lift of the pawl is compared.
 POSITIONS = 128
 
@@ -57,7 +59,7 @@ class Ratchet:
     Examples
     --------
     >>> ratchet = gk.ratchet.Ratchet(80, teeth=24, pawl_length=45)
-    >>> np.degrees([ratchet.engagement, ratchet.backlash, ratchet.largest_lift]).round(3)
+    >>> np.degrees([ratchet.engagement, ratchet.backlash, ratchet.lifts[1]]).round(3)
     array([15.   ,  0.826,  3.235])
     """
 
@@ -93,16 +95,7 @@ class Ratchet:
         if self.tooth_depth >= self.radius * (1 - np.sin(self.undercut)):
             problem = f"found {mm(self.tooth_depth):g}, below which the faces have no end"
             raise DesignError("depth", problem, "give a smaller one, or a smaller undercut_deg", "conflict")
-        least = self._shortest
-        if self.pawl_length <= least:
-            problem = f"found {mm(self.pawl_length):g}, so near that its bar meets the wheel"
-            remedy = f"give more than {mm(least):up}, or a smaller pawl_width"
-            raise DesignError("pawl_length", problem, remedy, "conflict", inside(least, -1))
-        if not self.nose_angle >= np.radians(LEAST_NOSE):
-            degrees = f"{np.degrees(self.nose_angle):.3g}" if self.nose_angle > 0 else "less than 0"
-            problem = f"found {mm(self.tooth_depth):g}, for which the nose of the pawl has {degrees} deg"
-            remedy = f"give a smaller depth, a smaller undercut_deg or nose_radius, for at least {LEAST_NOSE:g} deg"
-            raise DesignError("depth", problem, remedy, "conflict")
+        self.pawl.check()
 
     @property
     def radius(self) -> float:
@@ -168,11 +161,6 @@ class Ratchet:
         half = float(np.angle(self.face / self.back)) / 2
         return complex(self.root + self.nose_radius / np.sin(half) * self.back * np.exp(1j * half))
 
-    @property
-    def _corner(self) -> complex:
-        """End of the nose at the face of the pawl, mm."""
-        return self.nose + 1j * self.nose_radius * self.face
-
     @cached_property
     def backlash(self) -> float:
         """Angle by which a tooth must pass the pawl before it drops, rad, and by which the wheel then turns back.
@@ -220,62 +208,137 @@ class Ratchet:
         over = np.angle(arm / tip) + np.arccos(np.clip(cosine, -1, 1))
         return np.where(on_tip, over, lift), on_tip
 
-    @cached_property
-    def largest_lift(self) -> float:
-        """Largest lift of the pawl, rad."""
-        return float(self._lift(self.backlash + self.pitch * np.linspace(0, 1, POSITIONS))[0].max())
-
-    @property
-    def _under(self) -> float:
-        """Direction of the underside of the nose, rad: steeper than any back while the nose is on it."""
-        steepest = float(np.angle(self.back)) + self.pitch + self.backlash + self.largest_lift
-        return steepest + float(np.radians(OPEN))
-
-    @property
-    def nose_angle(self) -> float:
-        """Angle of the pawl's nose, rad."""
-        return float(np.angle(self.face)) - self._under
-
-    @property
-    def _shortest(self) -> float:
-        """Length of the pawl, mm, at which its bar is on the wheel."""
-        sine = float(np.sin(np.radians(self.pivot_deg)))
-        beyond = (self.radius + self.gap + self.pawl_width / 2) ** 2 - self.radius**2
-        return float(np.sqrt((self.radius * sine) ** 2 + beyond)) - self.radius * sine
-
-    @property
-    def bar(self) -> complex:
-        """Direction of the pawl's bar from the pivot to the nose: its edge passes the tips at the gap."""
-        sine = (self.radius + self.gap + self.pawl_width / 2) / abs(self.pivot)
-        return complex(-self.pivot / abs(self.pivot) * np.exp(-1j * np.arcsin(sine)))
-
-    @property
-    def tail(self) -> complex:
-        """End of the pawl beyond its pivot, for a spring, mm."""
-        return self.pivot - 1.5 * self.pawl_width * self.bar
-
     @property
     def outline(self) -> AbstractCurve:
         """The wheel's outline about its axis, with the tip of a tooth at the top."""
         return PolarArray(Path((Segment(self.next_tip, self.root), Segment(self.root, self.tip))), self.teeth)
 
+    @cached_property
+    def pawl(self) -> Pawl:
+        """The pawl."""
+        return Pawl(self)
+
+    @cached_property
+    def lifts(self) -> tuple[float, float]:
+        """Least and largest lift of the pawl, rad; the least is below 0 if it lies deeper before it holds a tooth."""
+        lifts = self._lift(self.backlash + self.pitch * np.linspace(0, 1, POSITIONS))[0]
+        return float(lifts.min()), float(lifts.max())
+
+
+@record(eq=False)
+class Pawl:
+    """The pawl of a ratchet wheel; places are from its pivot, as it holds a tooth, mm."""
+
+    wheel: Ratchet
+
+    def check(self) -> None:
+        """DesignError if it has no room, or no nose."""
+        wheel = self.wheel
+        if wheel.nose_radius >= (most := self._widest_nose):
+            problem = (
+                f"found {mm(wheel.nose_radius):g}, which does not fit into a tooth {mm(wheel.tooth_depth):.4g} deep"
+            )
+            remedy = f"give less than {mm(most):down}, or deeper teeth" if most > 0 else "give deeper or fewer teeth"
+            raise DesignError("nose_radius", problem, remedy, "conflict", inside(most, 1) if most > 0 else None)
+        if wheel.pawl_length > (longest := LONGEST_PAWL * wheel.diameter):
+            problem = f"found {mm(wheel.pawl_length):g} for a wheel of {mm(wheel.diameter):g}"
+            raise DesignError("pawl_length", problem, f"give at most {mm(longest):down}", "conflict", longest)
+        least = self._shortest
+        if wheel.pawl_length <= least:
+            problem = f"found {mm(wheel.pawl_length):g}, so near that its bar meets the wheel"
+            remedy = f"give more than {mm(least):up}, or a smaller pawl_width"
+            raise DesignError("pawl_length", problem, remedy, "conflict", inside(least, -1))
+        if not self.nose_angle >= np.radians(LEAST_NOSE):
+            degrees = f"{np.degrees(self.nose_angle):.3g}" if self.nose_angle > 0 else "less than 0"
+            problem = f"found {mm(wheel.tooth_depth):g}, for which the nose of the pawl has {degrees} deg"
+            remedy = f"give a smaller depth, a smaller undercut_deg or nose_radius, for at least {LEAST_NOSE:g} deg"
+            raise DesignError("depth", problem, remedy, "conflict")
+        if wheel.gap <= (least := self._least_gap):
+            problem = f"found {mm(wheel.gap):g}, with which the bar meets the wheel as the pawl drops"
+            raise DesignError("gap", problem, f"give more than {mm(least):up}", "conflict", inside(least, -1))
+        start, knee, end = self._bends
+        reach = dot(self.bar, np.array([knee, end]))
+        if not (wheel.pawl_width / 2 < reach[0] < reach[1] and dot(np.exp(1j * self._under), knee - start) > 0):
+            problem = f"found {wheel.pivot_deg:g}, with which the bar of the pawl passes its nose"
+            remedy = "give a smaller one, a narrower pawl_width, or a longer pawl_length"
+            raise DesignError("pivot_deg", problem, remedy, "conflict")
+
     @property
-    def pawl_outline(self) -> AbstractCurve:
-        """The pawl's outline about its pivot, as it holds a tooth."""
-        side, under = 1j * self.bar * self.pawl_width / 2, np.exp(1j * self._under)
-        nose, corner, tail = self.nose - self.pivot, self._corner - self.pivot, self.tail - self.pivot
-        start = complex(nose - 1j * self.nose_radius * under)
-        knee = _crossing(start, complex(under), side, self.bar)
-        end = _crossing(corner, self.face, -side, self.bar)
-        sweep = np.pi - self.nose_angle
+    def _widest_nose(self) -> float:
+        """Radius of a nose, mm, that reaches up to four fifths of the face or back of a tooth."""
+        wheel = self.wheel
+        half = float(np.angle(wheel.face / wheel.back)) / 2
+        return float(min(abs(wheel.tip - wheel.root), abs(wheel.next_tip - wheel.root)) * 0.8 * np.tan(half))
+
+    @property
+    def _shortest(self) -> float:
+        """Length, mm, at which its bar is on the wheel."""
+        wheel = self.wheel
+        sine = float(np.sin(np.radians(wheel.pivot_deg)))
+        beyond = (wheel.radius + wheel.gap + wheel.pawl_width / 2) ** 2 - wheel.radius**2
+        return float(np.sqrt((wheel.radius * sine) ** 2 + beyond)) - wheel.radius * sine
+
+    @property
+    def _least_gap(self) -> float:
+        """Gap, mm, at which the bar meets the wheel where it lies deeper than as it holds a tooth."""
+        wheel = self.wheel
+        far, least = abs(wheel.pivot), wheel.radius + wheel.pawl_width / 2
+        deeper = max(0.0, -1.02 * wheel.lifts[0])
+        return far * float(np.sin(np.arcsin(least / far) + deeper)) - least
+
+    @cached_property
+    def _under(self) -> float:
+        """Direction of the underside of the nose, rad: steeper than any back while the nose is on it."""
+        wheel = self.wheel
+        steepest = float(np.angle(wheel.back)) + wheel.pitch + wheel.backlash + wheel.lifts[1]
+        return steepest + float(np.radians(OPEN))
+
+    @property
+    def nose_angle(self) -> float:
+        """Angle of the nose, rad."""
+        return float(np.angle(self.wheel.face)) - self._under
+
+    @property
+    def bar(self) -> complex:
+        """Direction of the bar from the pivot to the nose: its edge passes the tips at the gap."""
+        wheel, pivot = self.wheel, self.wheel.pivot
+        sine = (wheel.radius + wheel.gap + wheel.pawl_width / 2) / abs(pivot)
+        return complex(-pivot / abs(pivot) * np.exp(-1j * np.arcsin(sine)))
+
+    @property
+    def tail(self) -> complex:
+        """End beyond the pivot, for a spring."""
+        return -1.5 * self.wheel.pawl_width * self.bar
+
+    @property
+    def _corner(self) -> complex:
+        """End of the nose at the face."""
+        wheel = self.wheel
+        return wheel.nose - wheel.pivot + 1j * wheel.nose_radius * wheel.face
+
+    @property
+    def _bends(self) -> tuple[complex, complex, complex]:
+        """End of the nose below, and the bar's ends below the nose and at the face."""
+        wheel, under = self.wheel, complex(np.exp(1j * self._under))
+        side = 1j * self.bar * wheel.pawl_width / 2
+        start = wheel.nose - wheel.pivot - 1j * wheel.nose_radius * under
+        end = _crossing(self._corner, wheel.face, -side, self.bar)
+        return start, _crossing(start, under, side, self.bar), end
+
+    @property
+    def outline(self) -> AbstractCurve:
+        """Its outline about the pivot."""
+        wheel, corner, tail = self.wheel, self._corner, self.tail
+        side, (start, knee, end) = 1j * self.bar * wheel.pawl_width / 2, self._bends
+        nose = Arc(wheel.nose - wheel.pivot, corner, np.pi - self.nose_angle)
         return Path((
-            Arc(nose, corner, sweep), Segment(start, knee), Segment(knee, tail + side), Arc(tail, tail + side, np.pi),
+            nose, Segment(start, knee), Segment(knee, tail + side), Arc(tail, tail + side, np.pi),
             Segment(tail - side, end), Segment(end, corner),
         ))  # fmt: skip
 
-    def pawl_direction(self, turn: ArrayLike) -> Complex:
-        """Direction of the pawl's x axis, that of `pawl_outline` as it holds a tooth."""
-        return np.asarray(np.exp(-1j * self.lift(turn)))
+    def direction(self, turn: ArrayLike) -> Complex:
+        """Direction of its x axis, at rotations of the wheel from where it has just dropped; 1 as it holds a tooth."""
+        return np.asarray(np.exp(-1j * self.wheel.lift(turn)))
 
 
 def _crossing(point: complex, along: complex, other: complex, direction: complex) -> complex:

@@ -189,7 +189,7 @@ class RatchetRecipe(AbstractPlatesRecipe):
             "engagement_deg": to_digits(np.degrees(ratchet.engagement)),
             "friction_angle_deg": to_digits(np.degrees(np.arctan(ratchet.friction))),
             "backlash_deg": to_digits(np.degrees(ratchet.backlash)),
-            "largest_lift_deg": to_digits(np.degrees(ratchet.largest_lift)),
+            "largest_lift_deg": to_digits(np.degrees(ratchet.lifts[1])),
         }
         return {"ratchet": own}, assembly_summary(self)
 
