@@ -248,6 +248,8 @@ def test_links_stay_within_their_bounds(small, bars):
         ({"bounds": {"origin_x": (90, 500), "links": (1, 60)}}, "bounds"),
         ({"bounds": {"links": (300, 400)}}, "bounds"),
         ({"bounds": {"links": (-2, 0)}}, "bounds"),
+        ({"bounds": {"links": (1, 60)}, "bars": 4, "closed": False}, "bounds"),
+        ({"bounds": {"links": (1, 60), "crank": (1, 60)}, "bars": 4}, "bounds"),
         ({"bars": 5}, "bars"),
         ({"bars": 4, "closed": False, "effort": 2}, "effort"),
         ({"effort": 0}, "effort"),

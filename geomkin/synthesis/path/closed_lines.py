@@ -27,12 +27,13 @@ def loop(points: Complex) -> Complex:
 
 
 def returned(points: Complex) -> Complex:
-    """Points of an open path and of a way back, half a circle's height beside it, by which it becomes a closed one."""
+    """Points of an open path and of a smooth way back, to the left of the chord, by which it becomes a closed one."""
     start, end = points[1] - points[0], points[-1] - points[-2]
     far = RETURN * max(abs(points[-1] - points[0]), np.ptp(points.real) / 2, np.ptp(points.imag) / 2)
     t = np.arange(1, RETURN_POINTS) / RETURN_POINTS
     slopes = (far * unit(np.array([end, start]))).tolist()
     back = (1 - t) ** 2 * (1 + 2 * t) * points[-1] + t**2 * (3 - 2 * t) * points[0]
+    back = back + 1j * t * (1 - t) * (points[-1] - points[0])
     return np.concatenate([points, back + t * (1 - t) ** 2 * slopes[0] - t**2 * (1 - t) * slopes[1]])
 
 

@@ -138,6 +138,8 @@ FOUR_BAR = (
     "ground_angle_deg",
     "start_deg",
 )
+# Bounds of linkages for closed paths, and of those with more bars.
+CHAIN_ONLY = ("pivots_x", "pivots_y", "links")
 # A slider-crank has an offset instead of the ground, and no rocker.
 SLIDER = ("offset", *FOUR_BAR[1:])
 # Shortest link, and longest link or coordinate, in units of the points' size. A wider range accepts a linkage
@@ -165,9 +167,14 @@ def bounds_of(
         low[ROCKER] = high[ROCKER] = 1.0
     for name, pair in (bounds or {}).items():
         if name not in allowed:
-            untimed = "; start_deg needs drive_deg" if name == "start_deg" and not timed else ""
+            reason = "; start_deg needs drive_deg" if name == "start_deg" and not timed else ""
+            reason = (
+                "; this one is for closed paths, without bounds of single links, or for more bars"
+                if name in CHAIN_ONLY
+                else reason
+            )
             raise DesignError(
-                "bounds", f"found {shown(name)}", f"give any of {', '.join(allowed)}{untimed}", "unknown-key"
+                "bounds", f"found {shown(name)}", f"give any of {', '.join(allowed)}{reason}", "unknown-key"
             )
         least, most = float(pair[0]), float(pair[1])
         if not least <= most:

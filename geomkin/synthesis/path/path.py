@@ -17,7 +17,7 @@ from ...linkage.linkage import AbstractLinkage
 from ...plane.vec import Complex, Real
 from .any_curve import ChainBounds
 from .closed_lines import loop
-from .coupler_paths import bound_all_links, bounds_of
+from .coupler_paths import CHAIN_ONLY, bound_all_links, bounds_of
 from .curve_library import curve_library, target_curve
 from .dyad_chains import linkage_of
 from .fits import PathTask
@@ -28,7 +28,7 @@ MOST_POINTS, MOST_USED = 200_000, 1_000
 # Limits of six- and eight-bars if none are given.
 CHAIN_DEG, CHAIN_RATIO = 20.0, 10.0
 # Bounds of linkages for closed curves; others than these only four-bars and slider-cranks take.
-CURVE_BOUNDS = ("origin_x", "origin_y", "pivots_x", "pivots_y", "links")
+CURVE_BOUNDS = ("origin_x", "origin_y", *CHAIN_ONLY)
 # Limits of a search if none are given: the least transmission angle, deg, and the largest ratio of links. Without them
 # many paths have no best linkage. The second line applies if all lengths are bounded.
 TOGGLE_DEG, LONGEST_RATIO = 5.0, 100.0
