@@ -158,12 +158,17 @@ def _with_slot(structure: Structure, body: str, pin: str, along: str, through: s
     return replace(structure, slots=(*structure.slots, slot))
 
 
-def _trace(structure: Structure, clicks: Clicks) -> Structure:
-    """A point of the first body that was clicked, at the second click."""
+def _moving(structure: Structure, clicks: Clicks) -> str:
+    """The moving body that was clicked first."""
     body = clicks.body(0, structure)
     if body == structure.ground:
-        raise DesignError("build", "no moving body was clicked", "click the body of the point first", "conflict")
-    return structure.with_point(body, structure.new_name(""), clicks.place(1))
+        raise DesignError("build", "no moving body was clicked", "click one first", "conflict")
+    return body
+
+
+def _trace(structure: Structure, clicks: Clicks) -> Structure:
+    """A point of the first body that was clicked, at the second click."""
+    return structure.with_point(_moving(structure, clicks), structure.new_name(""), clicks.place(1))
 
 
 def _force(structure: Structure, clicks: Clicks) -> Structure:
@@ -188,10 +193,7 @@ def _spring(structure: Structure, clicks: Clicks) -> Structure:
 
 
 def _driver(structure: Structure, clicks: Clicks) -> Structure:
-    body = clicks.body(0, structure)
-    if body == structure.ground:
-        raise DesignError("build", "no moving body was clicked", "click the body that is to drive", "conflict")
-    return replace(structure, driver=body)
+    return replace(structure, driver=_moving(structure, clicks))
 
 
 def _delete(structure: Structure, clicks: Clicks) -> Structure:

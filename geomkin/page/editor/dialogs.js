@@ -88,7 +88,7 @@ function narrow(dialog, text) {
     card.parentNode.hidden = !wanted.every((word) => card.dataset.words.includes(word));
     count += !card.parentNode.hidden;
   }
-  for (const list of dialog.querySelectorAll(".cards")) list.previousElementSibling.hidden = !list.querySelector("li:not([hidden])");
+  for (const list of dialog.querySelectorAll(".cards, #kinds")) list.previousElementSibling.hidden = !list.querySelector("li:not([hidden])");
   at("no-match").hidden = count > 0;
 }
 
