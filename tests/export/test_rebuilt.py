@@ -345,7 +345,7 @@ def check_gear(drawn, exact, centre, tolerance):
 
     teeth = int(value("teeth"))
     root, base, pitch = (value(f"{circle} dia") / 2 for circle in ("root", "base", "pitch"))
-    thickness, inner = value("thickness at the pitch circle"), "tip dia" in words
+    thickness, inner = value("tooth thickness, pitch circle"), "tip dia" in words
     assert base == pytest.approx(pitch * np.cos(np.radians(value("pressure angle"))), abs=0.001)
     assert "tip rounding" not in words and "tip chamfer" not in words
     z = (exact - centre) * np.exp(1j * (np.pi / 2 - np.radians(value("middle of a tooth, from x"))))
