@@ -193,7 +193,7 @@ def _involute_data(job: Job, part: Part, measures: Mapping[str, Any]) -> list[tu
             ("lead", size(helix[f"lead_{name}"])),
         ]
     rows.append(("profile shift coefficient", f"{measures['profile_shift']:.6g}"))
-    rows.append(("tooth thickness at the pitch circle", size(measures["tooth_thickness"])))
+    rows.append(("tooth thickness, pitch circle", size(measures["tooth_thickness"])))
     # Involute outlines have a tooth along y, in the frame in which they are drawn.
     placed = part.outline.pose.direction if isinstance(part.outline, Moved) else 1.0
     rows.append(("middle of a tooth, from x", f"{float(np.degrees(np.angle(1j * placed))) % 360:.6g}°"))

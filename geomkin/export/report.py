@@ -122,7 +122,7 @@ def _blocks(job: Job) -> Iterator[Block]:
     if job.about:
         yield Paragraph(harmless(job.about))
     yield Heading("Inputs")
-    yield Paragraph("The recipe with all its values. The results below follow from it.")
+    yield Paragraph("The recipe. Keys that it omits have their default values; the results below follow from both.")
     yield Listing(job.recipe())
     if source.formulas:
         yield Heading("Formulas with the numbers put in")

@@ -336,7 +336,7 @@ def shaped_space(teeth, tool_teeth, alpha, pitch, root, tip, thickness, fillet, 
     return hole
 
 
-def check_gear(drawn, exact, centre, tolerance):
+def check_gear(drawn, exact, tolerance):
     """Teeth from the table: cut by a rolling tool of its sizes, and compared with the outline of one tooth."""
     words = words_of(drawn)
 
@@ -345,10 +345,10 @@ def check_gear(drawn, exact, centre, tolerance):
 
     teeth = int(value("teeth"))
     root, base, pitch = (value(f"{circle} dia") / 2 for circle in ("root", "base", "pitch"))
-    thickness, inner = value("thickness at the pitch circle"), "tip dia" in words
+    thickness, inner = value("tooth thickness, pitch circle"), "tip dia" in words
     assert base == pytest.approx(pitch * np.cos(np.radians(value("pressure angle"))), abs=0.001)
     assert "tip rounding" not in words and "tip chamfer" not in words
-    z = (exact - centre) * np.exp(1j * (np.pi / 2 - np.radians(value("middle of a tooth, from x"))))
+    z = exact * np.exp(1j * (np.pi / 2 - np.radians(value("middle of a tooth, from x"))))
     alpha, fillet = np.radians(value("pressure angle")), value("(?:tip radius|fillet at the root) of the [a-z]+ cutter")
     if inner:
         sizes = teeth, int(value("teeth of the pinion cutter")), alpha, pitch, root, value("tip dia") / 2
@@ -444,7 +444,7 @@ def check(part, recipe):
         elif "first tip" in words:
             check_rack(drawn, loops[k], curve - centre, tolerance)
         elif is_gear and "base dia" in words:
-            check_gear(drawn, curve, 0j, tolerance)
+            check_gear(drawn, curve - centre, tolerance)
         else:
             check_profile(drawn, curve - centre, tolerance)
 
@@ -471,4 +471,12 @@ def test_parts_follow_from_the_numbers_of_their_drawing(name):
     recipe = gk.load(RECIPES[0].parent / f"{name}.toml")
     parts = recipe.parts if not hasattr(recipe, "notes") or recipe.parts else ()
     for part in parts:
+        check(part, recipe)
+
+
+def test_a_gear_beside_the_origin_of_its_body_follows_from_its_drawing():
+    text = (RECIPES[0].parent / "cartwright.toml").read_text()
+    moved = text.replace("{ C = [0, 0], D = [15, 0] }", "{ C = [10, -4], D = [10, 11] }")
+    assert moved != text
+    for part in (recipe := gk.load(moved)).parts:
         check(part, recipe)

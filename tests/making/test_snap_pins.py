@@ -115,7 +115,11 @@ def test_masses_have_pins_of_the_material():
     assert sum(mass.mass for mass in recipe.body_masses.values()) == pytest.approx(plates, rel=1e-6)
 
 
-@pytest.mark.parametrize("table, count", [(GEARS, 2), ({**GEARS, "base": {}}, 2), (CAM, 2)], ids=["bar", "base", "cam"])
+@pytest.mark.parametrize(
+    "table, count",
+    [(GEARS, 2), ({**GEARS, "base": {}}, 2), ({**GEARS, "helix_angle_deg": 20}, 2), (CAM, 2)],
+    ids=["bar", "base", "helical", "cam"],
+)
 def test_gears_and_cams_turn_on_pins(table, count):
     recipe = gk.load(table)
     bought = " ".join(item.name for item in recipe.bought)

@@ -53,26 +53,40 @@ from ..scene import cam_handles, cam_scene, with_size_plot
 from .loads import CamLoadsAspect, CamLoadsTable
 from .made import MadeCam
 
-# Laws in one piece as formulas of x, or of the angle phi: its range in deg, the lift, and its derivatives by x. The
-# parabolic one is that of its first half.
-FORMS: dict[str, tuple[float, str, str, str]] = {
-    "uniform": (0, "{x}", "1", "0"),
-    "parabolic": (0, "2 {x}^2", "(4 {x})", "4"),
-    "harmonic": (180, "(1 - cos({phi} deg)) / 2", "{pi} sin({phi} deg) / 2", "{pi}^2 cos({phi} deg) / 2"),
-    "cycloidal": (360, "({x} - sin({phi} deg) / (2 {pi}))", "(1 - cos({phi} deg))", "2 {pi} sin({phi} deg)"),
+# Laws as formulas of x, or of the angle phi: its start and range in deg, the lift, and its derivatives by
+# x. The parabolic one is that of its first half, and those in several pieces are that of the second of them.
+FORMS: dict[str, tuple[tuple[float, float], str, str, str]] = {
+    "uniform": ((0, 0), "{x}", "1", "0"),
+    "parabolic": ((0, 0), "2 {x}^2", "(4 {x})", "4"),
+    "harmonic": ((0, 180), "(1 - cos({phi} deg)) / 2", "{pi} sin({phi} deg) / 2", "{pi}^2 cos({phi} deg) / 2"),
+    "cycloidal": ((0, 360), "({x} - sin({phi} deg) / (2 {pi}))", "(1 - cos({phi} deg))", "2 {pi} sin({phi} deg)"),
+    "modified-trapezoid": (
+        (0, 0),
+        "8 {pi} (({x} - 1 / 8)^2 / 2 + ({x} - 1 / 8) / (4 {pi}) + 1 / (32 {pi}) - 1 / (16 {pi}^2)) / (2 + {pi})",
+        "8 {pi} ({x} - 1 / 8 + 1 / (4 {pi})) / (2 + {pi})",
+        "8 {pi} / (2 + {pi})",
+    ),
+    "modified-sine": (
+        (60, 240),
+        "(2 + {pi} {x} - 9 sin({phi} deg) / 4) / (4 + {pi})",
+        "{pi} (1 - 3 cos({phi} deg)) / (4 + {pi})",
+        "4 {pi}^2 sin({phi} deg) / (4 + {pi})",
+    ),
     "3-4-5": (
-        0,
+        (0, 0),
         "(10 {x}^3 - 15 {x}^4 + 6 {x}^5)",
         "(30 {x}^2 - 60 {x}^3 + 30 {x}^4)",
         "(60 {x} - 180 {x}^2 + 120 {x}^3)",
     ),
     "4-5-6-7": (
-        0,
+        (0, 0),
         "(35 {x}^4 - 84 {x}^5 + 70 {x}^6 - 20 {x}^7)",
         "(140 {x}^3 - 420 {x}^4 + 420 {x}^5 - 140 {x}^6)",
         "(420 {x}^2 - 1680 {x}^3 + 2100 {x}^4 - 840 {x}^5)",
     ),
 }
+# Where the pieces of these end, as shares of the segment.
+PIECES = {"modified-trapezoid": (1 / 8, 3 / 8), "modified-sine": (1 / 8, 7 / 8)}
 # Place in a segment of the frame whose numbers are put in: near the peak of its acceleration, and in the first half.
 PLACE = 0.3
 
@@ -91,9 +105,10 @@ def cam_formulas(cam: Cam, angles: Real, rates: tuple[float, float], unit: Lengt
     wanted = (found.start + PLACE * (found.end - found.start)) % 360
     row = int(np.argmin(np.abs(angles - wanted)))
     x = float((angles[row] - found.start) % 360) / (found.end - found.start)
-    if not 0 < x < 0.5:
+    low, high = PIECES.get(law, (0.0, 0.5))
+    if not low < x < high:
         return ()
-    range_deg, *forms = FORMS[law]
+    (start_deg, range_deg), *forms = FORMS[law]
     worked = WorkedFormulas(f"VDI 2143 Blatt 1, the law {law}")
     worked.give("theta", "cam angle in this frame", angles[row], "deg")
     worked.give("theta_0", "cam angle at the start of the segment", found.start % 360, "deg")
@@ -105,7 +120,8 @@ def cam_formulas(cam: Cam, angles: Real, rates: tuple[float, float], unit: Lengt
     worked.add("place in the segment, from 0 to 1", "x", "({theta} - {theta_0}) / {beta}", x)
     width = worked.add("range of the segment", "B", "{beta} {pi} / 180", found.radians, "rad")
     if range_deg:
-        worked.add("angle of the law", "phi", f"{range_deg:g} {{x}}", range_deg * x, "deg")
+        template = f"{start_deg:g} + {range_deg:g} {{x}}" if start_deg else f"{range_deg:g} {{x}}"
+        worked.add("angle of the law", "phi", template, start_deg + range_deg * x, "deg")
     values = np.asarray(LAWS[law](np.array([x])))[:, 0] * rise
     words = "angle of the arm from its start" if is_arm else "lift"
     lift = worked.add(words, "s", f"{{s_0}} + {{h}} {forms[0]}", start + values[0], length)

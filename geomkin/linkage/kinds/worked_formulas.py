@@ -14,7 +14,7 @@ from ..named_linkages import FourBar, SliderCrank
 def four_bar_formulas(linkage: FourBar, table: Table, drive: Turn, unit: LengthUnit) -> tuple[WorkedFormula, ...]:
     """The formulas of a four-bar in one frame of its table; empty if it cannot be assembled there."""
     row, mm = len(table.columns[0].values) // 6, unit.name
-    worked = WorkedFormulas("Norton, Design of Machinery, chapters 4 and 6")
+    worked = WorkedFormulas("Norton, Design of Machinery, chapters 4, 6 and 7")
     sizes = {"g": linkage.ground, "a": linkage.crank, "b": linkage.coupler, "c": linkage.rocker}
     names = "ground", "crank", "coupler", "rocker"
     g, a, b, c = (worked.give(key, name, unit.of(sizes[key]), mm) for key, name in zip(sizes, names))
@@ -29,10 +29,17 @@ def four_bar_formulas(linkage: FourBar, table: Table, drive: Turn, unit: LengthU
         worked.give("theta", "crank angle in this frame, from the ground", table.columns[0].values[row], "deg")
     )
     omega = worked.give("omega", "angular velocity of the crank", drive.speed_rpm * np.pi / 30, "rad/s")
+    alpha = worked.give("alpha", "angular acceleration of the crank", drive.acceleration_rad_per_s2, "rad/s2")
     sign = float(table["rocker_pin_branch"][row])
     worked.add(
         "Grashof: a link turns fully if this is at most 0", "G", "{s} + {l} - {k} - {m}", s + longest - k - m, mm
     )
+    for place, side, symbol in (("towards", "-", "mu_1"), ("away from", "+", "mu_2")):
+        between = (b * b + c * c - (g - a if side == "-" else g + a) ** 2) / (2 * b * c)
+        if abs(between) < 1:
+            name = f"transmission angle, least or largest, with the crank {place} the rocker's pivot"
+            template = f"arccos(abs({{b}}^2 + {{c}}^2 - ({{g}} {side} {{a}})^2) / (2 {{b}} {{c}}))"
+            worked.add(name, symbol, template, np.degrees(np.arccos(abs(between))), "deg")
     value = np.sqrt(g * g + a * a - 2 * g * a * np.cos(theta))
     d = worked.add("diagonal", "d", "sqrt({g}^2 + {a}^2 - 2 {g} {a} cos({theta} deg))", value, mm)
     between = (b * b + c * c - d * d) / (2 * b * c)
@@ -53,16 +60,36 @@ def four_bar_formulas(linkage: FourBar, table: Table, drive: Turn, unit: LengthU
     beta = np.radians(worked.add("coupler angle", "beta", template, np.degrees(value), "deg"))
     template = "{omega} {a} sin({theta} deg - {beta} deg) / ({c} sin({phi} deg - {beta} deg))"
     value = omega * a * np.sin(theta - beta) / (c * np.sin(phi - beta))
-    worked.add("angular velocity of the rocker", "omega_c", template, value, "rad/s")
+    omega_c = worked.add("angular velocity of the rocker", "omega_c", template, value, "rad/s")
     template = "{omega} {a} sin({phi} deg - {theta} deg) / ({b} sin({beta} deg - {phi} deg))"
     value = omega * a * np.sin(phi - theta) / (b * np.sin(beta - phi))
-    worked.add("angular velocity of the coupler", "omega_b", template, value, "rad/s")
+    omega_b = worked.add("angular velocity of the coupler", "omega_b", template, value, "rad/s")
+    template = (
+        "({a} {alpha} sin({theta} deg - {beta} deg) + {a} {omega}^2 cos({theta} deg - {beta} deg) + {b} {omega_b}^2"
+        " - {c} {omega_c}^2 cos({phi} deg - {beta} deg)) / ({c} sin({phi} deg - {beta} deg))"
+    )
+    value = a * alpha * np.sin(theta - beta) + a * omega**2 * np.cos(theta - beta) + b * omega_b**2
+    value = (value - c * omega_c**2 * np.cos(phi - beta)) / (c * np.sin(phi - beta))
+    worked.add("angular acceleration of the rocker", "alpha_c", template, value, "rad/s2")
+    template = (
+        "({c} {omega_c}^2 - {a} {alpha} sin({theta} deg - {phi} deg) - {a} {omega}^2 cos({theta} deg - {phi} deg)"
+        " - {b} {omega_b}^2 cos({beta} deg - {phi} deg)) / ({b} sin({beta} deg - {phi} deg))"
+    )
+    value = c * omega_c**2 - a * alpha * np.sin(theta - phi) - a * omega**2 * np.cos(theta - phi)
+    value = (value - b * omega_b**2 * np.cos(beta - phi)) / (b * np.sin(beta - phi))
+    worked.add("angular acceleration of the coupler", "alpha_b", template, value, "rad/s2")
     template = "{a} cos({theta} deg) + {x_B} cos({beta} deg) - {y_B} sin({beta} deg)"
     value = a * np.cos(theta) + p * np.cos(beta) - q * np.sin(beta)
-    worked.add("coupler point, along the ground", "x", template, value, mm)
+    x = worked.add("coupler point, along the ground", "x", template, value, mm)
     template = "{a} sin({theta} deg) + {x_B} sin({beta} deg) + {y_B} cos({beta} deg)"
     value = a * np.sin(theta) + p * np.sin(beta) + q * np.cos(beta)
-    worked.add("coupler point, across the ground", "y", template, value, mm)
+    y = worked.add("coupler point, across the ground", "y", template, value, mm)
+    template = "-{omega} {a} sin({theta} deg) - {omega_b} ({y} - {a} sin({theta} deg))"
+    value = -omega * a * np.sin(theta) - omega_b * (y - a * np.sin(theta))
+    worked.add("velocity of the coupler point, along the ground", "v_x", template, value, f"{mm}/s")
+    template = "{omega} {a} cos({theta} deg) + {omega_b} ({x} - {a} cos({theta} deg))"
+    value = omega * a * np.cos(theta) + omega_b * (x - a * np.cos(theta))
+    worked.add("velocity of the coupler point, across the ground", "v_y", template, value, f"{mm}/s")
     return tuple(worked.formulas)
 
 
