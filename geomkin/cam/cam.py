@@ -234,9 +234,7 @@ class Profile(AbstractCurve):
     def breaks(self) -> Real:
         return self.program.breaks
 
-    @property
-    def closed(self) -> bool:
-        return True
+    closed = True
 
 
 def turning_sense(direction: Direction) -> int:

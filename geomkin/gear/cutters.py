@@ -31,6 +31,12 @@ def diametral_pitch() -> Any:
     return quantity("teeth per inch of pitch diameter", "1/in", default=None, above=0, at_most=1e5)
 
 
+def thickness_allowance(line: str) -> Any:
+    """The field by which teeth are thinner along a line, such as "pitch circle", for backlash."""
+    meaning = f"reduction of the thickness of each tooth along the {line}, for backlash"
+    return quantity(meaning, "mm", default=0.0, at_least=0, printed=0.5)
+
+
 def settle_module(gear: Any) -> None:
     """Set the module of a gear from its diametral pitch. Raises DesignError if it has neither, or both disagree."""
     if gear.diametral_pitch is None:

@@ -20,12 +20,9 @@ Hand = Literal["right", "left"]
 def helix_angle() -> Any:
     """The field for the helix angle of gears and of their recipes."""
     return quantity(
-        "angle of the teeth to the axis at the pitch circle, 0 for straight ones",
-        "deg",
-        default=0.0,
-        at_least=0,
-        at_most=STEEPEST,
-    )
+        "angle of the teeth to the axis at the pitch circle, 0 for straight ones", "deg",
+        default=0.0, at_least=0, at_most=STEEPEST,
+    )  # fmt: skip
 
 
 @record(checked=True)

@@ -13,7 +13,16 @@ from ..core.units import bare_mm, mm
 from ..plane.primitives import Polyline
 from ..plane.vec import Pose, Real
 from .contract import AbstractGear, check_alike
-from .cutters import HelixAngle, RackCutter, Settled, diametral_pitch, module, settle_module, transverse_section
+from .cutters import (
+    HelixAngle,
+    RackCutter,
+    Settled,
+    diametral_pitch,
+    module,
+    settle_module,
+    thickness_allowance,
+    transverse_section,
+)
 from .spur import SpurGear
 
 # Radius of the corners at the back of the bar, modules: sharp corners cut fingers and chip when dropped.
@@ -63,13 +72,7 @@ class GearRack(AbstractGear):
     height: float = quantity(
         "height of the bar from its back to the reference line", "modules", default=5.0, above=0, at_most=1e6
     )
-    tooth_thickness_allowance: float = quantity(
-        "reduction of the thickness of each tooth along the reference line, for backlash",
-        "mm",
-        default=0.0,
-        at_least=0,
-        printed=0.5,
-    )
+    tooth_thickness_allowance: float = thickness_allowance("reference line")
     diametral_pitch: float | None = diametral_pitch()
 
     def __post_init__(self) -> None:

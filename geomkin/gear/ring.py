@@ -18,7 +18,7 @@ from ..plane.joined import PolarArray
 from ..plane.roulettes import Involute, Traced, involute_function, roll_at
 from ..plane.vec import Complex, Pose, Real
 from .contract import AbstractInvoluteGear, AbstractTooth, check_shortening
-from .cutters import Settled, diametral_pitch, module, settle_module
+from .cutters import Settled, diametral_pitch, module, settle_module, thickness_allowance
 from .interference import InternalMesh
 from .pinion_cutter import CutterInRing, PinionCutter
 from .spur import envelope_end, toothed, with_land
@@ -307,13 +307,7 @@ class RingGear(AbstractInvoluteGear):
     addendum: float = quantity(
         "height of the teeth inwards from the reference circle", "modules", default=1.0, above=0, at_most=5
     )
-    tooth_thickness_allowance: float = quantity(
-        "reduction of the thickness of each tooth along the reference circle, for backlash",
-        "mm",
-        default=0.0,
-        at_least=0,
-        printed=0.5,
-    )
+    tooth_thickness_allowance: float = thickness_allowance("reference circle")
     diametral_pitch: float | None = diametral_pitch()
 
     def __post_init__(self) -> None:

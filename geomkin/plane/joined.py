@@ -176,9 +176,7 @@ class PolarArray(AbstractCurve):
         b = self.piece.breaks - self.piece.breaks[0]
         return np.append((np.arange(self.count)[:, None] * b[-1] + b[:-1]).ravel(), self.count * b[-1])
 
-    @property
-    def closed(self) -> bool:
-        return True
+    closed = True
 
     def point(self, t: ArrayLike) -> Complex:
         copy, s = self._local(t)
@@ -262,9 +260,7 @@ class Spline(AbstractCurve):
     def breaks(self) -> Real:
         return np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self.points)))])
 
-    @property
-    def closed(self) -> bool:
-        return False
+    closed = False
 
     def point(self, t: ArrayLike) -> Complex:
         u, a, b, c, d = self._local(t)

@@ -165,12 +165,9 @@ class TranslatingRoller(AbstractRoller):
     """
 
     offset: float = quantity(
-        "distance of the follower's line from the cam axis, positive to +x",
-        "mm",
-        default=0.0,
-        at_least=-FARTHEST,
-        at_most=FARTHEST,
-    )
+        "distance of the follower's line from the cam axis, positive to +x", "mm",
+        default=0.0, at_least=-FARTHEST, at_most=FARTHEST,
+    )  # fmt: skip
     kind: Literal["translating-roller"] = "translating-roller"
     oscillates = False
 
