@@ -62,12 +62,8 @@ class Helix:
 
     def __post_init__(self) -> None:
         if self.herringbone and self.helix_angle_deg == 0:
-            raise DesignError(
-                "herringbone",
-                "found true with straight teeth",
-                "give a helix_angle_deg, usually 30, or false",
-                "conflict",
-            )
+            problem = "found true with straight teeth"
+            raise DesignError("herringbone", problem, "give a helix_angle_deg, usually 30, or false", "conflict")
 
     @property
     def mate(self) -> Helix:

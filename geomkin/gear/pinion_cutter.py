@@ -66,12 +66,9 @@ class PinionCutter:
             )
         largest = largest_rounding(self.base_radius, self.half_angle_at_base, self.outer_radius)
         if self.tip_radius > largest:
-            raise DesignError(
-                "tip_radius",
-                f"found {self.tip_radius:g}, but the cutter's tips have room for {largest:.4g} modules",
-                f"give at most {rounded_down(largest)}, or a smaller addendum",
-                value=rounded_down(largest),
-            )
+            problem = f"found {self.tip_radius:g}, but the cutter's tips have room for {largest:.4g} modules"
+            remedy = f"give at most {rounded_down(largest)}, or a smaller addendum"
+            raise DesignError("tip_radius", problem, remedy, value=rounded_down(largest))
 
     @property
     def pressure_angle(self) -> float:

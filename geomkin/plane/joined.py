@@ -47,11 +47,8 @@ class Path(AbstractCurve):
         gaps = np.abs(self._samples[1:, 0] - self._samples[:-1, 2])
         if len(gaps) and gaps.max() > self._rounding:
             worst = int(gaps.argmax())
-            raise DesignError(
-                "pieces",
-                f"piece {worst} ends {mm(gaps[worst]):.3g} from the start of the next",
-                "give pieces that join end to end",
-            )
+            problem = f"piece {worst} ends {mm(gaps[worst]):.3g} from the start of the next"
+            raise DesignError("pieces", problem, "give pieces that join end to end")
 
     @cached_property
     def _samples(self) -> Complex:

@@ -182,12 +182,9 @@ class TranslatingRoller(AbstractRoller):
     def check(self, program: Program, base_radius: float, sense: int) -> None:
         prime = base_radius + self.roller_radius
         if abs(self.offset) >= prime:
-            raise DesignError(
-                "follower.offset",
-                f"found {mm(self.offset):g}, not below the prime radius of {mm(prime):g}",
-                f"give an offset below {mm(prime):down} or a larger base_radius",
-                value=inside(prime, 1),
-            )
+            problem = f"found {mm(self.offset):g}, not below the prime radius of {mm(prime):g}"
+            remedy = f"give an offset below {mm(prime):down} or a larger base_radius"
+            raise DesignError("follower.offset", problem, remedy, value=inside(prime, 1))
 
     def base_radius_range(self, largest_lift: float) -> tuple[float, float]:
         return max(0.0, abs(self.offset) - self.roller_radius), np.inf
