@@ -223,11 +223,8 @@ def _without_crossings(
         return circle
     good = min(FAR * max(bad, scale), circle.largest * (1 - 1e-6))
     if cut := crossed(good):
-        raise DesignError(
-            "program",
-            f"the velocity jumps at {np.degrees(cut.worst[1]):.4g} deg, which undercuts a cam of any size",
-            "give a law of motion without a velocity jump there",
-        )
+        problem = f"the velocity jumps at {np.degrees(cut.worst[1]):.4g} deg, which undercuts a cam of any size"
+        raise DesignError("program", problem, "give a law of motion without a velocity jump there")
     while good - bad > 1e-9 * good:
         middle = 0.5 * (good + bad)
         if cut := crossed(middle):

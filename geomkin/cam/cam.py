@@ -78,12 +78,9 @@ class Cam:
         check_lifts(self.follower, self.program)
         stretches = len(self.program.breaks) - 1
         if stretches > MOST_STRETCHES:
-            raise DesignError(
-                "program",
-                f"found {stretches:,} smooth stretches between joints; adjacent dwells count as one",
-                f"give at most {MOST_STRETCHES}, or replace many segments by a table",
-                "too-much-work",
-            )
+            problem = f"found {stretches:,} smooth stretches between joints; adjacent dwells count as one"
+            remedy = f"give at most {MOST_STRETCHES}, or replace many segments by a table"
+            raise DesignError("program", problem, remedy, "too-much-work")
         self.follower.check(self.program, self.base_radius, self.sense)
 
     _repr_html_ = moving_picture
@@ -234,9 +231,7 @@ class Profile(AbstractCurve):
     def breaks(self) -> Real:
         return self.program.breaks
 
-    @property
-    def closed(self) -> bool:
-        return True
+    closed = True
 
 
 def turning_sense(direction: Direction) -> int:

@@ -191,12 +191,9 @@ class CamStock(AbstractBored):
         "width of a flat follower's bars and of arms", "mm", default=12.0, at_least=0.01, at_most=FARTHEST
     )
     overhang: float = quantity(
-        "how far a flat face extends beyond the range that the cam touches",
-        "mm",
-        default=2.0,
-        at_least=0,
-        at_most=FARTHEST,
-    )
+        "how far a flat face extends beyond the range that the cam touches", "mm",
+        default=2.0, at_least=0, at_most=FARTHEST,
+    )  # fmt: skip
     stem_length: float = quantity(
         "distance from a translating flat face, or with a base from a translating roller, to the hole in its stem",
         "mm",

@@ -60,9 +60,7 @@ class LobeCurve(AbstractCurve):
     def breaks(self) -> Real:
         return np.array([0.0, 2 * np.pi / (self.pins - 1)])
 
-    @property
-    def closed(self) -> bool:
-        return False
+    closed = False
 
 
 @record(checked=True)

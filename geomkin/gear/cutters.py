@@ -31,6 +31,12 @@ def diametral_pitch() -> Any:
     return quantity("teeth per inch of pitch diameter", "1/in", default=None, above=0, at_most=1e5)
 
 
+def thickness_allowance(line: str) -> Any:
+    """The field by which teeth are thinner along a line, such as "pitch circle", for backlash."""
+    meaning = f"reduction of the thickness of each tooth along the {line}, for backlash"
+    return quantity(meaning, "mm", default=0.0, at_least=0, printed=0.5)
+
+
 def settle_module(gear: Any) -> None:
     """Set the module of a gear from its diametral pitch. Raises DesignError if it has neither, or both disagree."""
     if gear.diametral_pitch is None:
@@ -39,12 +45,8 @@ def settle_module(gear: Any) -> None:
         return
     module = INCH / gear.diametral_pitch
     if gear.module is not None and abs(gear.module - module) > 1e-9 * module:
-        raise DesignError(
-            "module",
-            f"found {mm(gear.module):g}, but a diametral_pitch of {gear.diametral_pitch:g} means {mm(module):.6g}",
-            "give one of them",
-            "conflict",
-        )
+        problem = f"found {mm(gear.module):g}, but a diametral_pitch of {gear.diametral_pitch:g} means {mm(module):.6g}"
+        raise DesignError("module", problem, "give one of them", "conflict")
     object.__setattr__(gear, "module", module)
     if not SMALLEST <= module <= LARGEST:
         raise DesignError(
@@ -111,28 +113,19 @@ class RackCutter:
         # The largest radius is reached when the two corners of a tip meet in its middle.
         narrowest = np.pi / 4 - self.dedendum * np.tan(slope)
         if narrowest < 0:
-            raise DesignError(
-                "dedendum",
-                f"found {self.dedendum:g}, but the rack's flanks meet at {np.pi / 4 / np.tan(slope):.4g} modules",
-                f"give at most {rounded_down(np.pi / 4 / np.tan(slope))}, or a smaller pressure_angle_deg",
-                value=rounded_down(np.pi / 4 / np.tan(slope)),
-            )
+            problem = f"found {self.dedendum:g}, but the rack's flanks meet at {np.pi / 4 / np.tan(slope):.4g} modules"
+            remedy = f"give at most {rounded_down(np.pi / 4 / np.tan(slope))}, or a smaller pressure_angle_deg"
+            raise DesignError("dedendum", problem, remedy, value=rounded_down(np.pi / 4 / np.tan(slope)))
         largest = narrowest * np.cos(slope) / (1 - np.sin(slope))
         if self.tip_radius > largest:
-            raise DesignError(
-                "tip_radius",
-                f"found {self.tip_radius:g}, but the rack's tip is too narrow for more than {largest:.4g} modules",
-                f"give at most {rounded_down(largest)}, or a smaller dedendum",
-                value=rounded_down(largest),
-            )
+            problem = f"found {self.tip_radius:g}, but the rack's tip is too narrow for more than {largest:.4g} modules"
+            remedy = f"give at most {rounded_down(largest)}, or a smaller dedendum"
+            raise DesignError("tip_radius", problem, remedy, value=rounded_down(largest))
         room = max(0.0, np.pi / 4 - self.addendum * np.tan(slope)) * np.cos(slope) / (1 - np.sin(slope))
         if self.fillet_radius > room:
-            raise DesignError(
-                "fillet_radius",
-                f"found {self.fillet_radius:g}, but the rack's spaces have room for {room:.4g} modules",
-                f"give at most {rounded_down(room)}, or a smaller addendum",
-                value=rounded_down(room),
-            )
+            problem = f"found {self.fillet_radius:g}, but the rack's spaces have room for {room:.4g} modules"
+            remedy = f"give at most {rounded_down(room)}, or a smaller addendum"
+            raise DesignError("fillet_radius", problem, remedy, value=rounded_down(room))
 
     @property
     def pressure_angle(self) -> float:

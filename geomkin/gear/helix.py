@@ -20,12 +20,9 @@ Hand = Literal["right", "left"]
 def helix_angle() -> Any:
     """The field for the helix angle of gears and of their recipes."""
     return quantity(
-        "angle of the teeth to the axis at the pitch circle, 0 for straight ones",
-        "deg",
-        default=0.0,
-        at_least=0,
-        at_most=STEEPEST,
-    )
+        "angle of the teeth to the axis at the pitch circle, 0 for straight ones", "deg",
+        default=0.0, at_least=0, at_most=STEEPEST,
+    )  # fmt: skip
 
 
 @record(checked=True)
@@ -65,12 +62,8 @@ class Helix:
 
     def __post_init__(self) -> None:
         if self.herringbone and self.helix_angle_deg == 0:
-            raise DesignError(
-                "herringbone",
-                "found true with straight teeth",
-                "give a helix_angle_deg, usually 30, or false",
-                "conflict",
-            )
+            problem = "found true with straight teeth"
+            raise DesignError("herringbone", problem, "give a helix_angle_deg, usually 30, or false", "conflict")
 
     @property
     def mate(self) -> Helix:

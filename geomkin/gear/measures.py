@@ -241,13 +241,8 @@ def chord(gear: AbstractInvoluteGear, radius: float | None = None) -> ChordMeasu
     r = gear.pitch_radius if radius is None else radius
     low, high = (float(np.hypot(gear.base_radius, s)) for s in gear.flank_lengths)
     if not low <= r <= high:
-        raise DesignError(
-            "radius",
-            f"found {mm(r):g}, outside the involute",
-            f"give {bare_mm(low):up} to {mm(high):down}",
-            "out-of-range",
-            rounded_up(low),
-        )
+        remedy = f"give {bare_mm(low):up} to {mm(high):down}"
+        raise DesignError("radius", f"found {mm(r):g}, outside the involute", remedy, "out-of-range", rounded_up(low))
     arc = gear.thickness(r)
     half = arc / (2 * r)
     return ChordMeasure(arc, 2 * r * float(np.sin(half)), half, gear.tip_radius - r * float(np.cos(half)))

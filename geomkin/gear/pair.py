@@ -132,11 +132,8 @@ class GearPair:
         tool, name = "cutter" if self.is_internal else "rack", self.names[1]
         check_alike(first, second.module, second.pressure_angle, name, tool)
         if self.is_internal and second.teeth <= first.teeth:
-            raise DesignError(
-                f"{name}.teeth",
-                f"found a ring of {second.teeth} teeth for a gear of {first.teeth}",
-                f"give at least {first.teeth + 1}",
-            )
+            problem = f"found a ring of {second.teeth} teeth for a gear of {first.teeth}"
+            raise DesignError(f"{name}.teeth", problem, f"give at least {first.teeth + 1}")
         if self.centre_distance is None:
             object.__setattr__(self, "centre_distance", self.tight_distance)
         else:
@@ -177,11 +174,9 @@ class GearPair:
         if angle < 0:
             x1, x2, slope = self.first.profile_shift, self.second.profile_shift, np.tan(self.first.pressure_angle)
             least = -involute_function(slope) * self._geometry.teeth / (2 * slope)
-            raise DesignError(
-                f"{self.names[1]}.profile_shift",
-                f"found {x2:g} with {x1:g} for the driving gear: the teeth mesh at no centre distance",
-                f"give {_nearest_shift(self.first, self.second, least + x2 - self._geometry.shift)}",
-            )
+            problem = f"found {x2:g} with {x1:g} for the driving gear: the teeth mesh at no centre distance"
+            remedy = f"give {_nearest_shift(self.first, self.second, least + x2 - self._geometry.shift)}"
+            raise DesignError(f"{self.names[1]}.profile_shift", problem, remedy)
         return self._geometry.distance_of(angle)
 
     @property
@@ -398,11 +393,8 @@ class GearPair:
             most = f"from {bare_mm(self._geometry.base_distance):up} to {mm(tight):down}"
             # The tolerance keeps rounding from adding a digit.
             least = f"at least {mm(tight * (1 - 1e-12)):up}"
-            raise DesignError(
-                "centre_distance",
-                f"found {mm(self.centre_distance):g}, at which the teeth jam",
-                f"give {most if self.is_internal else least}",
-            )
+            problem = f"found {mm(self.centre_distance):g}, at which the teeth jam"
+            raise DesignError("centre_distance", problem, f"give {most if self.is_internal else least}")
 
     def _distance_of_backlash(self) -> float:
         """Centre distance at which the teeth, with their thickness allowance, have no backlash, mm."""

@@ -316,20 +316,13 @@ def openings(web: Web | None, bore: float, root_radius: float, key: str) -> tupl
         return ()
     inner, outer = web.hub / 2, root_radius - web.rim
     if inner <= bore:
-        raise DesignError(
-            f"{key}.hub",
-            f"found {mm(web.hub):g} for a hole of {mm(2 * bore):.4g}",
-            f"give more than {mm(2 * bore):up}",
-            value=inside(2 * bore, -1),
-        )
+        problem = f"found {mm(web.hub):g} for a hole of {mm(2 * bore):.4g}"
+        raise DesignError(f"{key}.hub", problem, f"give more than {mm(2 * bore):up}", value=inside(2 * bore, -1))
     if outer <= inner:
         most = root_radius - inner
-        raise DesignError(
-            f"{key}.rim",
-            f"found {mm(web.rim):g}, which leaves no room between hub and rim",
-            f"give less than {mm(to_digits(most, 12)):down}" if most > 0 else "give a smaller hub",
-            value=inside(most, 1) if most > 0 else None,
-        )
+        problem = f"found {mm(web.rim):g}, which leaves no room between hub and rim"
+        remedy = f"give less than {mm(to_digits(most, 12)):down}" if most > 0 else "give a smaller hub"
+        raise DesignError(f"{key}.rim", problem, remedy, value=inside(most, 1) if most > 0 else None)
     opening = _window(web, inner, outer, key) if web.form == "spokes" else _hole(web, inner, outer, key)
     places = 1j * np.exp(2j * np.pi * (np.arange(web.count) + 0.5) / web.count)
     if isinstance(opening, Circle):
@@ -342,11 +335,8 @@ def _hole(web: Web, inner: float, outer: float, key: str) -> Circle:
     middle, radius = (inner + outer) / 2, (outer - inner) / 2
     between = 2 * middle * float(np.sin(np.pi / web.count)) - 2 * radius
     if between < web.spoke_width:
-        raise DesignError(
-            f"{key}.count",
-            f"found {web.count} holes of {mm(2 * radius):.4g} with {mm(between):.4g} between them",
-            "give fewer holes, a thicker rim or hub, or a smaller spoke_width",
-        )
+        problem = f"found {web.count} holes of {mm(2 * radius):.4g} with {mm(between):.4g} between them"
+        raise DesignError(f"{key}.count", problem, "give fewer holes, a thicker rim or hub, or a smaller spoke_width")
     return Circle(complex(middle), radius)
 
 
@@ -361,11 +351,8 @@ def _window(web: Web, inner: float, outer: float, key: str) -> Polyline:
     centres = [(s - 1j * (half_spoke + corner)) * ray for s in along]
     high, low = (float(np.angle(c)) for c in centres)
     if along[1] == 0 or low <= 0 or high <= 0:
-        raise DesignError(
-            f"{key}.spoke_width",
-            f"found {mm(web.spoke_width):g}: {web.count} spokes meet outside the hub",
-            "give fewer or narrower spokes, or a larger hub",
-        )
+        problem = f"found {mm(web.spoke_width):g}: {web.count} spokes meet outside the hub"
+        raise DesignError(f"{key}.spoke_width", problem, "give fewer or narrower spokes, or a larger hub")
     sides = [(s - 1j * half_spoke) * ray for s in along]
     upper = np.array([outer * np.exp(1j * high), *sides, inner * np.exp(1j * low)])
     upper_sweeps = np.array([np.pi / 2 + half - high, 0.0, np.pi / 2 + low - half])
@@ -538,12 +525,9 @@ def lantern_parts(pinion: LanternPinion, mate: Conjugate, stock: LanternStock) -
     apart = abs(pinion.circles[1].centre - pinion.circles[0].centre) - 2 * hole
     if apart <= 0:
         most = to_digits(stock.clearance + apart, 12)
-        raise DesignError(
-            "stock.clearance",
-            f"found {mm(stock.clearance):g}, with which the pins' holes meet",
-            f"give less than {mm(most):down}, or thinner pins" if most > 0 else "give thinner pins",
-            value=inside(most, 1) if most > 0 else None,
-        )
+        problem = f"found {mm(stock.clearance):g}, with which the pins' holes meet"
+        remedy = f"give less than {mm(most):down}, or thinner pins" if most > 0 else "give thinner pins"
+        raise DesignError("stock.clearance", problem, remedy, value=inside(most, 1) if most > 0 else None)
     pins = tuple(Circle(c.centre, hole) for c in pinion.circles)
     first = pinion.circles[0].centre
     middle = stock.hole(first / abs(first), 2 * (pinion.pitch_radius - hole), "stock")

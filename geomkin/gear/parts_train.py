@@ -59,12 +59,9 @@ class ArborStock(AbstractBored):
     bore: float = shaft("the arbors", 5.0, fitted=True)
     clearance: float = clearance(0.1)
     pin: float = quantity(
-        "diameter of the two pins that join a driven gear and the driver above it, 0 if they are glued",
-        "mm",
-        default=2.0,
-        at_least=0,
-        at_most=100,
-    )
+        "diameter of the two pins that join a driven gear and the driver above it, 0 if they are glued", "mm",
+        default=2.0, at_least=0, at_most=100,
+    )  # fmt: skip
 
     @property
     def gear_stock(self) -> GearStock:

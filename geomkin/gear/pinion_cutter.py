@@ -53,12 +53,9 @@ class PinionCutter:
     tip_radius: float = quantity("radius of the cutter's tip edges", "modules", default=0.2, at_least=0)
     profile_shift: float = quantity("profile shift of the cutter", "modules", default=0.0, at_least=-5, at_most=5)
     fillet_radius: float = quantity(
-        "fillet at the root of the cutter's teeth, which rounds the ring's tips",
-        "modules",
-        default=0.0,
-        at_least=0,
-        at_most=10,
-    )
+        "fillet at the root of the cutter's teeth, which rounds the ring's tips", "modules",
+        default=0.0, at_least=0, at_most=10,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         if self.outer_radius <= self.base_radius or self._half_angle(self.outer_radius) < 0:
@@ -69,12 +66,9 @@ class PinionCutter:
             )
         largest = largest_rounding(self.base_radius, self.half_angle_at_base, self.outer_radius)
         if self.tip_radius > largest:
-            raise DesignError(
-                "tip_radius",
-                f"found {self.tip_radius:g}, but the cutter's tips have room for {largest:.4g} modules",
-                f"give at most {rounded_down(largest)}, or a smaller addendum",
-                value=rounded_down(largest),
-            )
+            problem = f"found {self.tip_radius:g}, but the cutter's tips have room for {largest:.4g} modules"
+            remedy = f"give at most {rounded_down(largest)}, or a smaller addendum"
+            raise DesignError("tip_radius", problem, remedy, value=rounded_down(largest))
 
     @property
     def pressure_angle(self) -> float:

@@ -13,7 +13,16 @@ from ..core.units import bare_mm, mm
 from ..plane.primitives import Polyline
 from ..plane.vec import Pose, Real
 from .contract import AbstractGear, check_alike
-from .cutters import HelixAngle, RackCutter, Settled, diametral_pitch, module, settle_module, transverse_section
+from .cutters import (
+    HelixAngle,
+    RackCutter,
+    Settled,
+    diametral_pitch,
+    module,
+    settle_module,
+    thickness_allowance,
+    transverse_section,
+)
 from .spur import SpurGear
 
 # Radius of the corners at the back of the bar, modules: sharp corners cut fingers and chip when dropped.
@@ -63,36 +72,24 @@ class GearRack(AbstractGear):
     height: float = quantity(
         "height of the bar from its back to the reference line", "modules", default=5.0, above=0, at_most=1e6
     )
-    tooth_thickness_allowance: float = quantity(
-        "reduction of the thickness of each tooth along the reference line, for backlash",
-        "mm",
-        default=0.0,
-        at_least=0,
-        printed=0.5,
-    )
+    tooth_thickness_allowance: float = thickness_allowance("reference line")
     diametral_pitch: float | None = diametral_pitch()
 
     def __post_init__(self) -> None:
         settle_module(self)
         if self.height <= self.rack.dedendum:
-            raise DesignError(
-                "height",
-                f"found {self.height:g} modules, no more than the teeth are deep",
-                f"give more than {rounded_up(self.rack.dedendum)}",
-                value=inside(self.rack.dedendum, -1),
-            )
+            problem = f"found {self.height:g} modules, no more than the teeth are deep"
+            remedy = f"give more than {rounded_up(self.rack.dedendum)}"
+            raise DesignError("height", problem, remedy, value=inside(self.rack.dedendum, -1))
         if self._tip < 0:
             most = self.tooth_thickness_allowance + 2 * self.module * self._tip
             if most <= 0:
                 raise DesignError(
                     "rack.addendum", "the flanks meet below the tips", "give a rack with a smaller addendum"
                 )
-            raise DesignError(
-                "tooth_thickness_allowance",
-                f"found {mm(self.tooth_thickness_allowance):g}, for which the teeth are pointed",
-                f"give at most {bare_mm(float(inside(most, 1, 6))):down6}",
-                value=inside(most, 1, 6),
-            )
+            problem = f"found {mm(self.tooth_thickness_allowance):g}, for which the teeth are pointed"
+            remedy = f"give at most {bare_mm(float(inside(most, 1, 6))):down6}"
+            raise DesignError("tooth_thickness_allowance", problem, remedy, value=inside(most, 1, 6))
 
     @checked
     def transverse(self, helix_angle_deg: HelixAngle) -> GearRack:
@@ -236,12 +233,8 @@ class RackPair:
         check_alike(pinion, self.rack.module, self.rack.pressure_angle, "rack", "rack")
         if self.backlash < -1e-9 * pinion.module:
             least = self.distance - self.backlash / (2 * np.tan(pinion.pressure_angle))
-            raise DesignError(
-                "distance",
-                f"found {mm(self.distance):g}, at which the teeth jam",
-                f"give at least {mm(least):up}",
-                value=rounded_up(least),
-            )
+            problem = f"found {mm(self.distance):g}, at which the teeth jam"
+            raise DesignError("distance", problem, f"give at least {mm(least):up}", value=rounded_up(least))
         start, end = self.contact_lengths
         if end <= start:
             raise DesignError(

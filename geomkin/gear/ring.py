@@ -18,7 +18,7 @@ from ..plane.joined import PolarArray
 from ..plane.roulettes import Involute, Traced, involute_function, roll_at
 from ..plane.vec import Complex, Pose, Real
 from .contract import AbstractInvoluteGear, AbstractTooth, check_shortening
-from .cutters import Settled, diametral_pitch, module, settle_module
+from .cutters import Settled, diametral_pitch, module, settle_module, thickness_allowance
 from .interference import InternalMesh
 from .pinion_cutter import CutterInRing, PinionCutter
 from .spur import envelope_end, toothed, with_land
@@ -307,13 +307,7 @@ class RingGear(AbstractInvoluteGear):
     addendum: float = quantity(
         "height of the teeth inwards from the reference circle", "modules", default=1.0, above=0, at_most=5
     )
-    tooth_thickness_allowance: float = quantity(
-        "reduction of the thickness of each tooth along the reference circle, for backlash",
-        "mm",
-        default=0.0,
-        at_least=0,
-        printed=0.5,
-    )
+    tooth_thickness_allowance: float = thickness_allowance("reference circle")
     diametral_pitch: float | None = diametral_pitch()
 
     def __post_init__(self) -> None:
@@ -324,27 +318,18 @@ class RingGear(AbstractInvoluteGear):
                 "teeth", f"found {z}, but the cutter has {z0}", f"give at least {z0 + 1}, or a smaller cutter"
             )
         if tooth.feed.working_involute < 0:
-            raise DesignError(
-                "profile_shift",
-                f"found {self.profile_shift:g}, for which the cutter does not fit between the teeth",
-                f"give {self._shift_remedy(tooth.feed.least_shift)}",
-            )
+            problem = f"found {self.profile_shift:g}, for which the cutter does not fit between the teeth"
+            raise DesignError("profile_shift", problem, f"give {self._shift_remedy(tooth.feed.least_shift)}")
         self._check_tip()
         if not tooth.is_reached:
-            raise DesignError(
-                "addendum",
-                "the cutter does not reach the tips of the teeth",
-                "give a larger addendum for the ring or for the cutter",
-            )
+            problem = "the cutter does not reach the tips of the teeth"
+            raise DesignError("addendum", problem, "give a larger addendum for the ring or for the cutter")
         self._check_thickness()
         if not tooth.has_fillet_room:
             self._refuse_fillet()
         if tooth.trochoid_gap < 0:
-            raise DesignError(
-                "cutter.teeth",
-                f"found {z0}: the cutter's tips cut the tips of a ring of {z} teeth as they leave the spaces",
-                f"give {self._cutter_remedy()}",
-            )
+            problem = f"found {z0}: the cutter's tips cut the tips of a ring of {z} teeth as they leave the spaces"
+            raise DesignError("cutter.teeth", problem, f"give {self._cutter_remedy()}")
 
     def _check_tip(self) -> None:
         """Raise DesignError if the tips are outside the range in which the cutter generates an involute."""
@@ -366,17 +351,11 @@ class RingGear(AbstractInvoluteGear):
             return
         most = self.tooth.largest_tooth_thickness_allowance
         if most > 0:
-            raise DesignError(
-                "tooth_thickness_allowance",
-                f"found {mm(self.tooth_thickness_allowance):g}, for which the flanks meet outside the tip circle",
-                f"give at most {bare_mm(float(inside(most, 1, 6))):down6}",
-                value=inside(most, 1, 6),
-            )
-        raise DesignError(
-            "profile_shift",
-            f"found {self.profile_shift:g}, for which the flanks meet outside the tip circle",
-            "give a smaller profile_shift or addendum",
-        )
+            problem = f"found {mm(self.tooth_thickness_allowance):g}, for which the flanks meet outside the tip circle"
+            remedy = f"give at most {bare_mm(float(inside(most, 1, 6))):down6}"
+            raise DesignError("tooth_thickness_allowance", problem, remedy, value=inside(most, 1, 6))
+        problem = f"found {self.profile_shift:g}, for which the flanks meet outside the tip circle"
+        raise DesignError("profile_shift", problem, "give a smaller profile_shift or addendum")
 
     def _refuse_fillet(self) -> NoReturn:
         """Raise DesignError with the largest fillet for which the cutter has room."""
@@ -388,12 +367,9 @@ class RingGear(AbstractInvoluteGear):
         fitting = [share * given for share in np.linspace(0.01, 0.99, 99).tolist() if fits(share * given)]
         value = rounded_down(last_fit(fits, fitting[-1], given)) if fitting else 0.0
         most = f"at most {value}, " if fitting else ""
-        raise DesignError(
-            "cutter.fillet_radius",
-            f"found {given:g}, for which there is no room between the cutter's flanks outside its base circle",
-            f"give {most}0 or a smaller addendum of the ring",
-            value=value,
-        )
+        problem = f"found {given:g}, for which there is no room between the cutter's flanks outside its base circle"
+        remedy = f"give {most}0 or a smaller addendum of the ring"
+        raise DesignError("cutter.fillet_radius", problem, remedy, value=value)
 
     @property
     def pressure_angle(self) -> float:

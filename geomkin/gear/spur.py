@@ -19,7 +19,7 @@ from ..plane.primitives import Arc, Polyline, Segment
 from ..plane.roulettes import Involute, Trochoid, inverse_involute, involute_function, roll_at
 from ..plane.vec import Pose, Real
 from .contract import NARROW, AbstractInvoluteGear, AbstractTooth, check_shortening
-from .cutters import RackCutter, Settled, diametral_pitch, module, settle_module
+from .cutters import RackCutter, Settled, diametral_pitch, module, settle_module, thickness_allowance
 
 
 @record
@@ -364,26 +364,15 @@ class SpurGear(AbstractInvoluteGear):
     )
     rack: RackCutter = entry("the cutting rack", default=RackCutter())
     addendum: float | None = quantity(
-        "height of the teeth above the shifted reference line; by default that of the rack",
-        "modules",
-        default=None,
-        above=0,
-        at_most=5,
-    )
-    tooth_thickness_allowance: float = quantity(
-        "reduction of the thickness of each tooth along the pitch circle, for backlash",
-        "mm",
-        default=0.0,
-        at_least=0,
-        printed=0.5,
-    )
+        "height of the teeth above the shifted reference line; by default that of the rack", "modules",
+        default=None, above=0, at_most=5,
+    )  # fmt: skip
+    tooth_thickness_allowance: float = thickness_allowance("pitch circle")
     tip_rounding: float = quantity("radius of the tip edges", "modules", default=0.0, at_least=0)
     tip_chamfer: float = quantity(
-        "size of the chamfer of the tip edges, along the radius and along the tip circle",
-        "modules",
-        default=0.0,
-        at_least=0,
-    )
+        "size of the chamfer of the tip edges, along the radius and along the tip circle", "modules",
+        default=0.0, at_least=0,
+    )  # fmt: skip
     on_pointed_tip: Literal["refuse", "cut"] = entry(
         "teeth whose flanks meet below the tip circle: refuse them, or cut them off at the point", default="refuse"
     )

@@ -350,9 +350,5 @@ class _Results:
         known = list(dict.fromkeys([*(column.id for column in columns), *further, *checks]))
         lacks_table = name.endswith(OF_TOLERANCES) and getattr(self.recipe.recipe, "tolerances", True) is None
         near = "add a table [tolerances], or " if lacks_table else did_you_mean(name, known)
-        raise DesignError(
-            self.field,
-            f"found {shown(name)}",
-            f"{near}give a column or a check: {printable(', '.join(known), 2000)}",
-            "unknown-key",
-        )
+        remedy = f"{near}give a column or a check: {printable(', '.join(known), 2000)}"
+        raise DesignError(self.field, f"found {shown(name)}", remedy, "unknown-key")

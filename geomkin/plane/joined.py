@@ -47,11 +47,8 @@ class Path(AbstractCurve):
         gaps = np.abs(self._samples[1:, 0] - self._samples[:-1, 2])
         if len(gaps) and gaps.max() > self._rounding:
             worst = int(gaps.argmax())
-            raise DesignError(
-                "pieces",
-                f"piece {worst} ends {mm(gaps[worst]):.3g} from the start of the next",
-                "give pieces that join end to end",
-            )
+            problem = f"piece {worst} ends {mm(gaps[worst]):.3g} from the start of the next"
+            raise DesignError("pieces", problem, "give pieces that join end to end")
 
     @cached_property
     def _samples(self) -> Complex:
@@ -176,9 +173,7 @@ class PolarArray(AbstractCurve):
         b = self.piece.breaks - self.piece.breaks[0]
         return np.append((np.arange(self.count)[:, None] * b[-1] + b[:-1]).ravel(), self.count * b[-1])
 
-    @property
-    def closed(self) -> bool:
-        return True
+    closed = True
 
     def point(self, t: ArrayLike) -> Complex:
         copy, s = self._local(t)
@@ -262,9 +257,7 @@ class Spline(AbstractCurve):
     def breaks(self) -> Real:
         return np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self.points)))])
 
-    @property
-    def closed(self) -> bool:
-        return False
+    closed = False
 
     def point(self, t: ArrayLike) -> Complex:
         u, a, b, c, d = self._local(t)

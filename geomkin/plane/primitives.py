@@ -42,9 +42,7 @@ class Segment(AbstractCurve):
     def breaks(self) -> Real:
         return np.array([0.0, 1.0])
 
-    @property
-    def closed(self) -> bool:
-        return False
+    closed = False
 
 
 @record(checked=True, eq=False)
@@ -77,9 +75,7 @@ class Arc(AbstractCurve):
     def breaks(self) -> Real:
         return np.array([0.0, 1.0])
 
-    @property
-    def closed(self) -> bool:
-        return False
+    closed = False
 
 
 @record(checked=True, eq=False)
@@ -121,9 +117,7 @@ class Circle(AbstractCurve):
     def breaks(self) -> Real:
         return np.array([0.0, 2 * np.pi])
 
-    @property
-    def closed(self) -> bool:
-        return True
+    closed = True
 
 
 # Sweep, rad, below which the area under an arc is computed by a series, since the closed form loses digits. The first

@@ -258,11 +258,8 @@ def triangulate(loops: Loops) -> tuple[Complex, Whole]:
 def _polygon(loops: Loops) -> shapely.Polygon:
     polygon = shapely.Polygon(xy(loops[0]), [xy(hole) for hole in loops[1:]])
     if not polygon.is_valid:
-        raise DesignError(
-            "outline",
-            f"it crosses itself or a hole ({shapely.is_valid_reason(polygon)})",
-            "give loops that neither touch nor cross",
-        )
+        problem = f"it crosses itself or a hole ({shapely.is_valid_reason(polygon)})"
+        raise DesignError("outline", problem, "give loops that neither touch nor cross")
     return polygon
 
 

@@ -26,9 +26,7 @@ class Traced(AbstractCurve):
     def breaks(self) -> Real:
         return np.array([self.start, self.end])
 
-    @property
-    def closed(self) -> bool:
-        return False
+    closed = False
 
 
 @record(checked=True, eq=False)

@@ -42,12 +42,9 @@ class Printing:
     )
     growth: float = growth(0.0)
     foot: float = quantity(
-        "chamfer of the lower edges of solids in STL and 3MF, since the first layer spreads; 0 for none",
-        "mm",
-        default=0.0,
-        at_least=0,
-        at_most=MOST,
-    )
+        "chamfer of the lower edges of solids in STL and 3MF, since the first layer spreads; 0 for none", "mm",
+        default=0.0, at_least=0, at_most=MOST,
+    )  # fmt: skip
     pins: Literal["bought", "snap"] = entry(
         "pins, screws and shafts that are bought, or printed pins that snap into the plates", default="bought"
     )

@@ -122,10 +122,8 @@ class Files:
     title: Title = entry("further entries in the title block of dimensioned drawings", default=Title())
     assembly_at: float | None = quantity(
         "position of the driver in pictures of the assembly: deg, or mm if it slides",
-        default=None,
-        at_least=-FARTHEST,
-        at_most=FARTHEST,
-    )
+        default=None, at_least=-FARTHEST, at_most=FARTHEST,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         if 0 < self.tab_width < NARROWEST_TAB:
@@ -244,13 +242,9 @@ class Turn:
     start_deg: float = quantity("driver's first angle", "deg", default=0.0, at_least=-3600, at_most=3600)
     # Never None after `__post_init__`.
     end_deg: float = quantity(
-        "driver's last angle; by default 360, or -360 if speed_rpm is negative",
-        "deg",
-        default=None,
-        at_least=-3600,
-        at_most=3600,
-        filled_in=360.0,
-    )
+        "driver's last angle; by default 360, or -360 if speed_rpm is negative", "deg",
+        default=None, at_least=-3600, at_most=3600, filled_in=360.0,
+    )  # fmt: skip
     acceleration_rad_per_s2: float = _acceleration("rad/s2")
 
     def __post_init__(self) -> None:
@@ -329,12 +323,9 @@ class Stroke:
     )
     end: float = quantity("driver's last position", "mm", at_least=-FARTHEST, at_most=FARTHEST, example=110)
     speed: float = quantity(
-        "speed of the driver; negative if the end is below the start",
-        "mm/s",
-        default=50.0,
-        at_least=-FARTHEST,
-        at_most=FARTHEST,
-    )
+        "speed of the driver; negative if the end is below the start", "mm/s",
+        default=50.0, at_least=-FARTHEST, at_most=FARTHEST,
+    )  # fmt: skip
     step: float = quantity(
         "displacement of the driver between rows of the motion table", "mm", default=1.0, above=0, at_most=FARTHEST
     )

@@ -192,12 +192,8 @@ def chosen_tables(recipe: type, options: Iterable[str]) -> dict[str, str]:
         if not keys:
             short = {key.rsplit(".", 1)[-1]: key for key in offered}
             known = f"{kind_of(recipe)} has {', '.join(short) or 'none'}"
-            raise DesignError(
-                "--with",
-                f"no such table: {printable(end)}",
-                did_you_mean(end, [*short, *offered]) + known,
-                "unknown-key",
-            )
+            problem = f"no such table: {printable(end)}"
+            raise DesignError("--with", problem, did_you_mean(end, [*short, *offered]) + known, "unknown-key")
         for key in keys:
             kinds = offered[key]
             if kind not in kinds:

@@ -209,12 +209,9 @@ class OscillatingFlat(AbstractFace):
         "distance of the arm's pivot from the cam axis, along +x", "mm", above=0, at_most=FARTHEST, example=100
     )
     face_offset: float = quantity(
-        "distance of the face from the pivot, positive if the pivot is on the cam's side of the face",
-        "mm",
-        default=0.0,
-        at_least=-FARTHEST,
-        at_most=FARTHEST,
-    )
+        "distance of the face from the pivot, positive if the pivot is on the cam's side of the face", "mm",
+        default=0.0, at_least=-FARTHEST, at_most=FARTHEST,
+    )  # fmt: skip
     side: Side = entry("side of the line from cam axis to pivot on which the face is", default="above")
     kind: Literal["oscillating-flat"] = "oscillating-flat"
     oscillates = True

@@ -90,12 +90,9 @@ def guide_holes(bars: Bars, along: complex) -> tuple[Hole, Hole]:
     first = width / along.imag
     least = first + LEAST_PIN_DISTANCE * width
     if stem < least:
-        raise DesignError(
-            "stock.stem_length",
-            f"found {mm(stem):g}, too short for two guide pins with bars {mm(width):g} wide",
-            f"give at least {mm(least):up}, or omit base",
-            value=rounded_up(least),
-        )
+        problem = f"found {mm(stem):g}, too short for two guide pins with bars {mm(width):g} wide"
+        remedy = f"give at least {mm(least):up}, or omit base"
+        raise DesignError("stock.stem_length", problem, remedy, value=rounded_up(least))
     inner, outer = (Hole("pivot_bore", bars.pivot_bore, width, distance * along) for distance in (first, stem))
     return inner, outer
 
@@ -138,12 +135,9 @@ def stemmed_face(face: tuple[float, float], tilt: float, width: float, stem: flo
     low, high = min(face[0], left.real), max(face[1], right.real)
     end = stem * along
     if (end.imag - width / 2) <= width:
-        raise DesignError(
-            "stock.stem_length",
-            f"found {mm(stem):g}, too short for a bar {mm(width):g} wide along the face",
-            f"give more than {mm(1.5 * width / along.imag):up}",
-            value=inside(1.5 * width / along.imag, -1),
-        )
+        problem = f"found {mm(stem):g}, too short for a bar {mm(width):g} wide along the face"
+        remedy = f"give more than {mm(1.5 * width / along.imag):up}"
+        raise DesignError("stock.stem_length", problem, remedy, value=inside(1.5 * width / along.imag, -1))
     corners = [low, high, high + 1j * width, right, end + aside, end - aside, left, low + 1j * width]
     bulges = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
     return _polyline(corners, bulges), complex(end)

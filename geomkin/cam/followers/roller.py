@@ -165,12 +165,9 @@ class TranslatingRoller(AbstractRoller):
     """
 
     offset: float = quantity(
-        "distance of the follower's line from the cam axis, positive to +x",
-        "mm",
-        default=0.0,
-        at_least=-FARTHEST,
-        at_most=FARTHEST,
-    )
+        "distance of the follower's line from the cam axis, positive to +x", "mm",
+        default=0.0, at_least=-FARTHEST, at_most=FARTHEST,
+    )  # fmt: skip
     kind: Literal["translating-roller"] = "translating-roller"
     oscillates = False
 
@@ -185,12 +182,9 @@ class TranslatingRoller(AbstractRoller):
     def check(self, program: Program, base_radius: float, sense: int) -> None:
         prime = base_radius + self.roller_radius
         if abs(self.offset) >= prime:
-            raise DesignError(
-                "follower.offset",
-                f"found {mm(self.offset):g}, not below the prime radius of {mm(prime):g}",
-                f"give an offset below {mm(prime):down} or a larger base_radius",
-                value=inside(prime, 1),
-            )
+            problem = f"found {mm(self.offset):g}, not below the prime radius of {mm(prime):g}"
+            remedy = f"give an offset below {mm(prime):down} or a larger base_radius"
+            raise DesignError("follower.offset", problem, remedy, value=inside(prime, 1))
 
     def base_radius_range(self, largest_lift: float) -> tuple[float, float]:
         return max(0.0, abs(self.offset) - self.roller_radius), np.inf

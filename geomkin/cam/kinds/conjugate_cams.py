@@ -18,7 +18,7 @@ from ...making.assembly import Assembly, AssemblyBuilder, collar_across, glue_bi
 from ...model.check import Check
 from ...model.material import hertz_pressure
 from ...model.part import Part
-from ...model.scene import Limit, Plot, Scene, SceneBody, SceneHandle, SceneMark, circle_handle, drawn_at
+from ...model.scene import Limit, Plot, Scene, SceneBody, SceneHandle, SceneMark, circle_handle
 from ...model.table import Column, Table, xy_columns
 from ...plane.curve import AbstractCurve, Moved
 from ...plane.primitives import Circle, Polyline, rounded_hull, slot
@@ -35,7 +35,6 @@ from ..program.extrema import largest, samples
 from ..program.program import FollowerMotion, Program
 from ..undercut import Undercut
 from .disk_cam import CamAdditions
-from .loads import LONGEST_ARROW
 from .positive import FLAT_FOLLOWERS, FREE, AbstractPositiveCam, AbstractPositiveCamRecipe, PositiveLoadsAspect
 
 # Largest angle between the two arms of a follower, rad: beyond it they leave no corner between them.
@@ -57,26 +56,17 @@ class SecondCam:
     """
 
     clearance: float = quantity(
-        "how much farther apart the rollers are than both profiles require",
-        "mm",
-        default=0.1,
-        above=0,
-        at_most=FARTHEST,
-    )
+        "how much farther apart the rollers are than both profiles require", "mm",
+        default=0.1, above=0, at_most=FARTHEST,
+    )  # fmt: skip
     base_radius: float | None = quantity(
-        "radius of the second cam where the lift is largest; by default that of the first at lift 0",
-        "mm",
-        default=None,
-        above=0,
-        at_most=FARTHEST,
-    )
+        "radius of the second cam where the lift is largest; by default that of the first at lift 0", "mm",
+        default=None, above=0, at_most=FARTHEST,
+    )  # fmt: skip
     arm_length: float | None = quantity(
-        "distance of the second roller from an arm's pivot; by default that of the first",
-        "mm",
-        default=None,
-        above=0,
-        at_most=FARTHEST,
-    )
+        "distance of the second roller from an arm's pivot; by default that of the first", "mm",
+        default=None, above=0, at_most=FARTHEST,
+    )  # fmt: skip
 
 
 @record
@@ -107,8 +97,7 @@ class MadeConjugateCams(AbstractPositiveCam):
     def clearance(self) -> float:
         return self.second.clearance
 
-    def check(self) -> None:
-        super().check()
+    def check_walls(self) -> None:
         follower = self.roller
         if self.second.arm_length is not None and not follower.oscillates:
             problem = f"found {mm(self.second.arm_length):g}, but the follower moves straight"
@@ -119,8 +108,6 @@ class MadeConjugateCams(AbstractPositiveCam):
             raise DesignError("second.base_radius", error.problem, error.remedy, error.id) from None
         if isinstance(follower, OscillatingRoller):
             self._check_arms(follower.pivot_distance)
-        # Raises DesignError if a stem is too short.
-        _ = self.bars
 
     def _check_arms(self, distance: float) -> None:
         """DesignError if the first cam meets the pivot, or the two arms are nearly in line."""
@@ -339,16 +326,11 @@ class ConjugateLoadsAspect(PositiveLoadsAspect):
         return np.where(force < 0, second, first)
 
     @property
-    def arrow(self) -> Iterator[SceneMark]:
-        """The force on the roller at each frame, from the cam that carries it."""
-        made, force = self.mechanism, np.nan_to_num(self.forces.contact)
-        if force.any():
-            scale = LONGEST_ARROW * self.cam.prime_radius / np.abs(force).max()
-            first, second = self.cam.contact(self.angles), made.other.contact(self.angles)
-            place = np.where(force < 0, made.turned * second.point, first.point)
-            normal = np.where(force < 0, made.turned * second.normal, first.normal)
-            label = f"contact force, {drawn_at(float(scale), 'N')}"
-            yield SceneMark("vector", place, "force", label, vector=scale * np.abs(force) * normal)
+    def carried(self) -> tuple[Complex, Complex]:
+        first, second = self.cam.contact(self.angles), self.mechanism.other.contact(self.angles)
+        turned, is_on_second = self.mechanism.turned, self.forces.contact < 0
+        place = np.where(is_on_second, turned * second.point, first.point)
+        return place, np.where(is_on_second, turned * second.normal, first.normal)
 
 
 @record(kw_only=True)

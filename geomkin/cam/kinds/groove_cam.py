@@ -18,17 +18,16 @@ from ...making.bores import bore, fits_of, widened
 from ...model.check import Check
 from ...model.material import hertz_pressure
 from ...model.part import Part
-from ...model.scene import Limit, Scene, SceneHandle, SceneMark, circle_handle, drawn_at
+from ...model.scene import Limit, Scene, SceneHandle, circle_handle
 from ...model.table import Column, Table, xy_columns
 from ...plane.curve import AbstractCurve, Offset
 from ...plane.primitives import Circle, rounded_hull
-from ...plane.vec import Real
+from ...plane.vec import Complex, Real
 from ...recipe.composed import AspectKinds
 from ..checks import LEAST_PITCH_TO_ROLLER, convex_curvature, tightest_concave
 from ..followers.follower import FollowerPlate, Hole
 from ..parts import LETTERS, TIMING_STEP, cam_base, cam_plate, follower_part, unheld
 from ..program.extrema import samples
-from .loads import LONGEST_ARROW
 from .positive import AbstractPositiveCam, AbstractPositiveCamRecipe, PositiveLoadsAspect
 
 # Dowels that hold the core and the ring on the disc; two would do, and in a ring they would leave its far side loose.
@@ -56,12 +55,9 @@ class Groove:
         "width of the ring outside the groove where it is narrowest", "mm", default=10.0, above=0, at_most=FARTHEST
     )
     dowel: float = quantity(
-        "diameter of the dowels that hold core and ring on the disc, 0 for none",
-        "mm",
-        default=3.0,
-        at_least=0,
-        at_most=100,
-    )
+        "diameter of the dowels that hold core and ring on the disc, 0 for none", "mm",
+        default=3.0, at_least=0, at_most=100,
+    )  # fmt: skip
 
 
 @record(eq=False)
@@ -79,16 +75,13 @@ class MadeGrooveCam(AbstractPositiveCam):
     def clearance(self) -> float:
         return self.groove.clearance
 
-    def check(self) -> None:
-        super().check()
+    def check_walls(self) -> None:
         if self.concave_radius[0] <= self.half_width:
             self._refuse_roller()
         dowel, room = widened(self.groove.dowel, self.stock.clearance), self.groove.rim
         if dowel >= room:
             problem = f"found {mm(self.groove.dowel):g} in a rim {mm(room):g} wide"
             raise DesignError("groove.dowel", problem, "give thinner dowels or a wider rim", "conflict")
-        # Raises DesignError if a stem is too short.
-        _ = self.bars
 
     @cached_property
     def concave_radius(self) -> tuple[float, float]:
@@ -244,14 +237,10 @@ class GrooveLoadsAspect(PositiveLoadsAspect):
         return np.where(force < 0, ring, core)
 
     @property
-    def arrow(self) -> Iterator[SceneMark]:
-        """The force on the roller at each frame, from the wall that carries it."""
-        force, at = np.nan_to_num(self.forces.contact), self.cam.contact(self.angles)
-        if force.any():
-            scale = LONGEST_ARROW * self.cam.prime_radius / np.abs(force).max()
-            place = at.point + np.where(force < 0, 2 * self.cam.follower.roller_radius, 0.0) * at.normal
-            label = f"contact force, {drawn_at(float(scale), 'N')}"
-            yield SceneMark("vector", place, "force", label, vector=scale * force * at.normal)
+    def carried(self) -> tuple[Complex, Complex]:
+        at, is_on_ring = self.cam.contact(self.angles), self.forces.contact < 0
+        place = at.point + np.where(is_on_ring, 2 * self.cam.follower.roller_radius, 0.0) * at.normal
+        return place, np.where(is_on_ring, -at.normal, at.normal)
 
 
 @record(kw_only=True)

@@ -17,7 +17,7 @@ from ...core.records import record
 from ...core.units import mm
 from ...model.check import Check
 from ...model.material import Mass
-from ...model.scene import Limit, Plot, Scene, SceneBody
+from ...model.scene import Limit, Plot, Scene, SceneBody, SceneMark, drawn_at
 from ...model.table import Column, Table
 from ...plane.curve import AbstractCurve
 from ...plane.flatten import flatten
@@ -32,7 +32,7 @@ from ..program.extrema import samples
 from ..scene import cam_scene, with_size_plot
 from ..undercut import Undercut, undercut
 from .disk_cam import AbstractCamRecipe, CamAdditions
-from .loads import CamLoadsAspect
+from .loads import LONGEST_ARROW, CamLoadsAspect
 from .made import MadeCam
 
 # Steps of the approach to a wall. Each leaves 1 - cos(pressure angle) of the distance: 1e-9 of it at 45 deg.
@@ -125,6 +125,10 @@ class AbstractPositiveCam(MadeCam):
     def bars(self) -> tuple[FollowerPlate, ...]:
         """The plates that carry the rollers."""
 
+    @abstractmethod
+    def check_walls(self) -> None:
+        """DesignError if the other wall cannot be cut, or meets something."""
+
     def check(self) -> None:
         """DesignError if no roller can run between such walls."""
         follower, jumps = self.cam.follower, self.cam.program.jumps.velocity
@@ -137,6 +141,8 @@ class AbstractPositiveCam(MadeCam):
             problem = f"its velocity jumps at {at:.4g} deg, where the walls would not meet"
             remedy = "start and end the motion with a law that rests there"
             raise DesignError("cam.program", problem, remedy, "conflict")
+        self.check_walls()
+        self.bars  # noqa: B018  raises if a stem is too short
 
     @property
     def roller(self) -> AbstractRoller:
@@ -208,6 +214,20 @@ class PositiveLoadsAspect(CamLoadsAspect):
 
     # Of the two walls, for the texts.
     names = ("core", "ring")
+
+    @property
+    @abstractmethod
+    def carried(self) -> tuple[Complex, Complex]:
+        """Place and direction of the force at each frame, from the wall that carries the roller."""
+
+    @property
+    def arrow(self) -> Iterator[SceneMark]:
+        """The force on the roller at each frame."""
+        force = np.abs(np.nan_to_num(self.forces.contact))
+        if force.any():
+            scale, (place, direction) = LONGEST_ARROW * self.cam.prime_radius / force.max(), self.carried
+            label = f"contact force, {drawn_at(float(scale), 'N')}"
+            yield SceneMark("vector", place, "force", label, vector=scale * force * direction)
 
     @property
     def contact_checks(self) -> Iterator[Check]:

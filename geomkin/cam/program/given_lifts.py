@@ -62,12 +62,8 @@ def checked_rows(rows: object, field: str) -> Real:
     except (TypeError, ValueError, OverflowError):
         fits = False
     if not fits:
-        raise DesignError(
-            field,
-            f"found {shown(rows)}",
-            f"give at most {MOST_ROWS} rows [angle in deg, lift] of numbers",
-            "wrong-type",
-        )
+        remedy = f"give at most {MOST_ROWS} rows [angle in deg, lift] of numbers"
+        raise DesignError(field, f"found {shown(rows)}", remedy, "wrong-type")
     return points
 
 
@@ -86,12 +82,8 @@ def _from_csv(name: object, folder: Folder) -> tuple[Real, bool]:
     lifts = [column for column in LIFTS if column in header]
     if ANGLE not in header or len(lifts) != 1:
         lacking = ANGLE if ANGLE not in header else f"just one of {' and '.join(LIFTS)}"
-        raise DesignError(
-            "file",
-            f"the first line of {printable(name)} does not name {lacking}",
-            f"name its columns: {ANGLE} and one of {' and '.join(LIFTS)}, separated by commas or semicolons",
-            "missing-key",
-        )
+        remedy = f"name its columns: {ANGLE} and one of {' and '.join(LIFTS)}, separated by commas or semicolons"
+        raise DesignError("file", f"the first line of {printable(name)} does not name {lacking}", remedy, "missing-key")
     columns = header.index(ANGLE), header.index(lifts[0])
     points = []
     for k, line in enumerate(lines[1:], 2):

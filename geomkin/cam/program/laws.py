@@ -200,12 +200,8 @@ def law_of(law: LawName | Law) -> Law:
         last = np.isin(edges[1:], breaks[1:-1]) & (k > 0)
         missed = np.abs(np.diff(ends[k]) - inside[k + 1] @ weights * step / 2)[~last].max(initial=0)
         if missed > TRUST * max(1, np.abs(inside[k]).max()):
-            raise DesignError(
-                "law",
-                f"its row {k + 1} is not the derivative of its row {k}",
-                "correct it, or list the x of its jumps in its attribute `breaks`",
-                "conflict",
-            )
+            remedy = "correct it, or list the x of its jumps in its attribute `breaks`"
+            raise DesignError("law", f"its row {k + 1} is not the derivative of its row {k}", remedy, "conflict")
     return law
 
 
@@ -248,12 +244,8 @@ def polynomial_from(conditions: Sequence[tuple[float, int, float]]) -> Chebyshev
     # Scaled, since a row of the third derivative is thousands of times one of the value.
     size = np.abs(rows).max(axis=1)
     if not size.all() or np.linalg.cond(rows / size[:, None]) > WORST:
-        raise DesignError(
-            "",
-            "its conditions do not determine one polynomial",
-            "give the lower derivatives too, or fewer intermediate points",
-            "conflict",
-        )
+        problem = "its conditions do not determine one polynomial"
+        raise DesignError("", problem, "give the lower derivatives too, or fewer intermediate points", "conflict")
     f = np.linalg.solve(rows / size[:, None], np.array([v for _, _, v in conditions]) / size)
     return chebyshev_law([derive(f, k) for k in range(4)])
 

@@ -361,8 +361,5 @@ def _check_jerk(limit: float | None, equal: Real, values: Real, jerks: Real) -> 
     solved = least_peak(equal, values, jerks, jerks[:0])
     least = bound(equal, values, jerks, solved[1], jerks[:0], np.zeros(0), solved[0]) if solved else np.inf
     if limit < least:
-        raise DesignError(
-            "jerk_limit",
-            f"found {limit:g}, but every motion of this family that meets its ends reaches {least:.6g}",
-            f"give at least {1.001 * least:.4g}, or omit it",
-        )
+        problem = f"found {limit:g}, but every motion of this family that meets its ends reaches {least:.6g}"
+        raise DesignError("jerk_limit", problem, f"give at least {1.001 * least:.4g}, or omit it")

@@ -100,12 +100,8 @@ def place_segments(segments: Sequence[Segment], folder: Folder) -> list[PlacedSe
         angle, lift = placed.end, placed.end_lift
         rows += len(made[-1].points)
         if rows > MOST_ROWS:
-            raise DesignError(
-                place,
-                f"with it, the programme has {rows:,} rows",
-                f"give at most {MOST_ROWS:,} in all",
-                "too-much-work",
-            )
+            problem = f"with it, the programme has {rows:,} rows"
+            raise DesignError(place, problem, f"give at most {MOST_ROWS:,} in all", "too-much-work")
     _check_whole(made, angle, lift)
     # A rounding error of the last lift would be a jump at the end of the turn.
     last = made[-1].points.copy()
@@ -120,20 +116,13 @@ def _check_whole(made: list[PlacedSegment], angle: float, lift: float) -> None:
         )
     swings = {placed.oscillates: placed.place for placed in made if placed.oscillates is not None}
     if len(swings) == 2:
-        raise DesignError(
-            "program",
-            f"{swings[False]} has its lift in mm and {swings[True]} in degrees",
-            "give all in mm for a translating follower, or all in degrees for an oscillating one",
-            "conflict",
-        )
+        problem = f"{swings[False]} has its lift in mm and {swings[True]} in degrees"
+        remedy = "give all in mm for a translating follower, or all in degrees for an oscillating one"
+        raise DesignError("program", problem, remedy, "conflict")
     unit = "deg" if True in swings else "mm"
     if abs(lift - made[0].lift) > max(SLIP, band(made[-1].segment)):
-        raise DesignError(
-            "program",
-            f"the lift ends at {mm(lift, unit=unit):g}, not at {mm(made[0].lift, unit=unit):g}",
-            "add a return, or correct its end_lift",
-            "conflict",
-        )
+        problem = f"the lift ends at {mm(lift, unit=unit):g}, not at {mm(made[0].lift, unit=unit):g}"
+        raise DesignError("program", problem, "add a return, or correct its end_lift", "conflict")
 
 
 def _end(segment: Timed, before: float) -> float:
@@ -146,12 +135,8 @@ def _end(segment: Timed, before: float) -> float:
         found = "neither" if not known else "two that disagree"
         raise DesignError("end_deg", f"of end_deg and duration_deg found {found}", "give one of them", "conflict")
     if known[0] - before <= SLIP:
-        raise DesignError(
-            "end_deg",
-            f"the segment runs from {before:g} to {known[0]:g} deg",
-            "give an end after its start",
-            "out-of-range",
-        )
+        problem = f"the segment runs from {before:g} to {known[0]:g} deg"
+        raise DesignError("end_deg", problem, "give an end after its start", "out-of-range")
     # The last segment ends exactly at the end of the turn.
     return 360.0 if abs(known[0] - 360) <= SLIP else known[0]
 
@@ -299,10 +284,6 @@ def _between(segment: Timed, start: float, end: float) -> Real:
     outside = np.flatnonzero((points[:, 0] <= start) | (points[:, 0] >= end))
     if len(outside):
         k = int(outside[0])
-        raise DesignError(
-            f"through[{k}]",
-            f"found {points[k, 0]:g} deg",
-            f"give an angle between {start:g} and {end:g} deg",
-            "out-of-range",
-        )
+        problem = f"found {points[k, 0]:g} deg"
+        raise DesignError(f"through[{k}]", problem, f"give an angle between {start:g} and {end:g} deg", "out-of-range")
     return points

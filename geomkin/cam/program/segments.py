@@ -291,10 +291,8 @@ class OptimisedPolynomial:
     match_jerk: bool = entry("whether to match the neighbours' jerk too; needs degree 7 or more", default=False)
     jerk_limit: float | None = quantity(
         "largest jerk, as a multiple of rise / angle^3; cycloidal has 39.5, 3-4-5 has 60",
-        default=None,
-        above=0,
-        at_most=1e6,
-    )
+        default=None, above=0, at_most=1e6,
+    )  # fmt: skip
     kind: Literal["optimised-polynomial"] = "optimised-polynomial"
     start_deg: float | None = _angle("cam angle at the start")
     end_deg: float | None = _angle("cam angle at the end")
@@ -333,10 +331,8 @@ class OptimisedSpline:
     end_lift_deg: float | None = _lift("lift of an arm at the end", "deg")
     jerk_limit: float | None = quantity(
         "largest jerk, as a multiple of rise / angle^3; cycloidal has 39.5, 3-4-5 has 60",
-        default=None,
-        above=0,
-        at_most=1e6,
-    )
+        default=None, above=0, at_most=1e6,
+    )  # fmt: skip
     kind: Literal["optimised-spline"] = "optimised-spline"
     start_deg: float | None = _angle("cam angle at the start")
     end_deg: float | None = _angle("cam angle at the end")

@@ -261,12 +261,9 @@ def _piece(steps: list[BoundaryPiece], teeth: int, ring: bool, pitch_radius: flo
     if land <= 0:
         # The radius is found from samples; a thousandth less leaves a land.
         most = 0.999 * abs(_pointed(pieces, teeth, ring) - pitch_radius)
-        raise DesignError(
-            "addendum",
-            f"found {mm(abs(abs(last) - pitch_radius)):.5g}, for which the mate's teeth are pointed",
-            f"give at most {bare_mm(most):down6}, or a gear with thinner teeth",
-            value=rounded_down(most, 6),
-        )
+        problem = f"found {mm(abs(abs(last) - pitch_radius)):.5g}, for which the mate's teeth are pointed"
+        remedy = f"give at most {bare_mm(most):down6}, or a gear with thinner teeth"
+        raise DesignError("addendum", problem, remedy, value=rounded_down(most, 6))
     samples = np.concatenate([np.abs(p.point(p.breaks[0] + (p.breaks[-1] - p.breaks[0]) * GRID)) for p in pieces])
     root = float(samples.max() if ring else samples.min())
     return Path((*pieces, Arc(0j, last, land))), root

@@ -278,6 +278,4 @@ class ConjugateCurve(AbstractCurve):
         inner = self.parameter_of(self.side.breaks)
         return np.concatenate([[self.start], inner[(inner > self.start) & (inner < self.end)], [self.end]])
 
-    @property
-    def closed(self) -> bool:
-        return False
+    closed = False

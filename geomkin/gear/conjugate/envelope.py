@@ -120,11 +120,8 @@ class Swept:
         starts = {k: 0 if along * sense > 0 else -1 for k, sense in enumerate(self.sense)}
         candidates = [k for k, start in starts.items() if k != at and abs(self.points[k][start] - place) < near]
         if not candidates:
-            raise DesignError(
-                "tooth",
-                f"the mate's flank that it generates ends {mm(abs(place)):.5g} from the mate's axis",
-                "give a tooth with deeper flanks, or a smaller addendum",
-            )
+            problem = f"the mate's flank that it generates ends {mm(abs(place)):.5g} from the mate's axis"
+            raise DesignError("tooth", problem, "give a tooth with deeper flanks, or a smaller addendum")
         if len(candidates) == 1:
             return candidates[0]
         directions = {k: self._direction(k, place, starts[k]) for k in candidates}

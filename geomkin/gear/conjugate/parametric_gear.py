@@ -45,9 +45,7 @@ class ParametricFlank(AbstractCurve):
     def breaks(self) -> Real:
         return np.linspace(self.start, self.end, PIECES + 1)
 
-    @property
-    def closed(self) -> bool:
-        return False
+    closed = False
 
 
 @record(checked=True)

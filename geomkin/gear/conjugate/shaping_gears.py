@@ -96,12 +96,9 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
         if clearance == 0 and backlash == 0:
             return self.outline.piece
         if backlash > self.most_backlash:
-            raise DesignError(
-                "backlash",
-                f"found {mm(backlash):.5g}, for which adjacent teeth of the mate's cutter meet",
-                f"give at most {bare_mm(float(inside(self.most_backlash, 1, 6))):down6}",
-                value=inside(self.most_backlash, 1, 6),
-            )
+            problem = f"found {mm(backlash):.5g}, for which adjacent teeth of the mate's cutter meet"
+            remedy = f"give at most {bare_mm(float(inside(self.most_backlash, 1, 6))):down6}"
+            raise DesignError("backlash", problem, remedy, value=inside(self.most_backlash, 1, 6))
         flank = Moved(self.flank, Pose(0j, np.exp(-0.5j * backlash / self.pitch_radius)))
         if clearance == 0:
             return self._toothed([flank]).piece
@@ -114,12 +111,9 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
         s = float(grown / (rise + np.sqrt(squared))) if rise > 0 else np.inf
         if end.real + s * along.real < 0 or not np.isfinite(s):
             room = abs(end - along * end.real / along.real) - self.tip_radius if along.real < 0 else 0.0
-            raise DesignError(
-                "clearance",
-                f"found {mm(clearance):.5g}, but the flanks, extended beyond the tip, meet after {mm(room):.5g}",
-                f"give at most {bare_mm(float(inside(room, 1, 6))):down6}",
-                value=inside(room, 1, 6),
-            )
+            problem = f"found {mm(clearance):.5g}, but the flanks, extended beyond the tip, meet after {mm(room):.5g}"
+            remedy = f"give at most {bare_mm(float(inside(room, 1, 6))):down6}"
+            raise DesignError("clearance", problem, remedy, value=inside(room, 1, 6))
         return self._toothed([flank, Segment(end, end + s * along)]).piece
 
     def _half_land(self, flank: AbstractCurve) -> float:
@@ -147,11 +141,9 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
                 "flank", "it crosses the middle of its tooth", "give the side with x >= 0 and +y in the middle"
             )
         if angle.max() > np.pi / self.teeth * (1 + 1e-9):
-            raise DesignError(
-                "flank",
-                f"it is up to {np.degrees(angle.max()):.4g} deg from the middle of its tooth, beyond half a pitch",
-                f"keep it within {180 / self.teeth:.4g} deg of +y: give thinner or fewer teeth",
-            )
+            problem = f"it is up to {np.degrees(angle.max()):.4g} deg from the middle of its tooth, beyond half a pitch"
+            remedy = f"keep it within {180 / self.teeth:.4g} deg of +y: give thinner or fewer teeth"
+            raise DesignError("flank", problem, remedy)
 
     def _check_reach(self) -> None:
         """Raise DesignError if the flank is closed, not finite, or extends far beyond the pitch circle."""
@@ -161,12 +153,9 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
             raise DesignError("flank", "it is closed, or not finite", "give one open side of a tooth", "wrong-type")
         most = FARTHEST_OUT * self.pitch_radius
         if (far := float(np.abs(z).max())) > most:
-            raise DesignError(
-                "flank",
-                f"it extends {mm(far):.5g} from the axis, but the pitch radius is {mm(self.pitch_radius):.5g}",
-                f"keep it within {mm(float(inside(most, 1, 6))):down6} of the axis",
-                "out-of-range",
-            )
+            problem = f"it extends {mm(far):.5g} from the axis, but the pitch radius is {mm(self.pitch_radius):.5g}"
+            remedy = f"keep it within {mm(float(inside(most, 1, 6))):down6} of the axis"
+            raise DesignError("flank", problem, remedy, "out-of-range")
 
 
 @record(checked=True, eq=False)
@@ -349,11 +338,8 @@ class PointToothGear(AbstractFlankGear):
             raise DesignError("points", f"found {len(points)}", f"give at most {MOST_POINTS}", "too-much-work")
         most = FARTHEST_OUT * self.pitch_radius
         if max((abs(z) for z in points), default=0.0) <= self.pitch_radius:
-            raise DesignError(
-                "points",
-                f"none is outside the pitch circle of {mm(self.pitch_radius):.5g}",
-                "give them from the bottom land out to the tip, across the pitch circle",
-            )
+            remedy = "give them from the bottom land out to the tip, across the pitch circle"
+            raise DesignError("points", f"none is outside the pitch circle of {mm(self.pitch_radius):.5g}", remedy)
         far = [k for k, z in enumerate(points) if abs(z) > most]
         if far:
             raise DesignError(
@@ -404,21 +390,13 @@ class LanternPinion(AbstractShaper):
     def __post_init__(self) -> None:
         settle_module(self)
         if self.pin_diameter is None:
-            raise DesignError(
-                "pin_diameter",
-                "is missing",
-                f"give it in {unit_name(PLURAL)}, about {bare_mm(1.25 * self.module):.3g}",
-                "missing-key",
-                to_digits(1.25 * self.module, 3),
-            )
+            remedy = f"give it in {unit_name(PLURAL)}, about {bare_mm(1.25 * self.module):.3g}"
+            raise DesignError("pin_diameter", "is missing", remedy, "missing-key", to_digits(1.25 * self.module, 3))
         chord = 2 * self.pitch_radius * np.sin(np.pi / self.pins)
         if self.pin_diameter >= chord:
-            raise DesignError(
-                "pin_diameter",
-                f"found {mm(self.pin_diameter):g}, but adjacent pins are {mm(chord):.4g} apart",
-                f"give less than {mm(chord):down}, about {bare_mm(chord / 2):.3g}",
-                value=to_digits(chord / 2, 3),
-            )
+            problem = f"found {mm(self.pin_diameter):g}, but adjacent pins are {mm(chord):.4g} apart"
+            remedy = f"give less than {mm(chord):down}, about {bare_mm(chord / 2):.3g}"
+            raise DesignError("pin_diameter", problem, remedy, value=to_digits(chord / 2, 3))
 
     @property
     def teeth(self) -> int:
@@ -475,12 +453,9 @@ class LanternPinion(AbstractShaper):
         less, counterclockwise, for the right-hand half, more for the left.
         """
         if backlash >= self.most_backlash:
-            raise DesignError(
-                "backlash",
-                f"found {mm(backlash):.5g}, for which no teeth of the wheel remain between two pins",
-                f"give at most {bare_mm(float(inside(self.most_backlash, 1, 6))):down6}",
-                value=inside(self.most_backlash, 1, 6),
-            )
+            problem = f"found {mm(backlash):.5g}, for which no teeth of the wheel remain between two pins"
+            remedy = f"give at most {bare_mm(float(inside(self.most_backlash, 1, 6))):down6}"
+            raise DesignError("backlash", problem, remedy, value=inside(self.most_backlash, 1, 6))
         centre, radius, turn = 1j * self.pitch_radius, self.pin_diameter / 2, 0.5 * backlash / self.pitch_radius
         right: list[AbstractCurve] = [Arc(centre, centre - 1j * radius, np.pi / 2)]
         if clearance > 0:

@@ -49,13 +49,9 @@ class Mate:
         "clearance between the gear's tips and the mate's roots", "mm", default=0.5, at_least=0, at_most=FARTHEST
     )
     backlash: float = quantity(
-        "backlash along the pitch circle, by which the mate's teeth are thinner",
-        "mm",
-        default=0.0,
-        at_least=0,
-        at_most=FARTHEST,
-        printed=1.0,
-    )
+        "backlash along the pitch circle, by which the mate's teeth are thinner", "mm",
+        default=0.0, at_least=0, at_most=FARTHEST, printed=1.0,
+    )  # fmt: skip
 
 
 # Arguments of `conjugate` and of the cutters -> keys of the recipe.

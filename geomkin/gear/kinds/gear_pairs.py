@@ -375,12 +375,9 @@ class RackAndPinionRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
     pinion: SpurGear = entry("the driving gear", example=SpurGear(20, 2))
     rack: GearRack = entry("the rack", example=GearRack(12, 2))
     distance: float | None = quantity(
-        "distance of the pinion's axis from the rack's reference line; if omitted, the one without backlash",
-        "mm",
-        default=None,
-        above=0,
-        at_most=1e9,
-    )
+        "distance of the pinion's axis from the rack's reference line; if omitted, the one without backlash", "mm",
+        default=None, above=0, at_most=1e9,
+    )  # fmt: skip
     stock: GearStock = entry("sheet of both, and bore of the pinion", default=GearStock())
     base: RackBaseStock | None = entry("a base plate that guides the rack; none if omitted", default=None)
     without_loads: ClassVar[str] = RACK_WITHOUT_LOADS

@@ -196,18 +196,12 @@ class TrainSpecification:
     )
     least_teeth: int = quantity(
         "least number of teeth of a gear, for a wanted ratio",
-        whole=True,
-        default=12,
-        at_least=FEWEST_TEETH,
-        at_most=MOST_TEETH,
-    )
+        whole=True, default=12, at_least=FEWEST_TEETH, at_most=MOST_TEETH,
+    )  # fmt: skip
     most_teeth: int = quantity(
         "largest number of teeth of a gear, for a wanted ratio",
-        whole=True,
-        default=60,
-        at_least=FEWEST_TEETH,
-        at_most=MOST_TEETH,
-    )
+        whole=True, default=60, at_least=FEWEST_TEETH, at_most=MOST_TEETH,
+    )  # fmt: skip
     most_stages: int = quantity(
         "largest number of stages, for a wanted ratio", whole=True, default=3, at_least=1, at_most=MOST_SEARCHED
     )
