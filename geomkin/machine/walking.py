@@ -81,7 +81,7 @@ def check_walker(mechanisms: Mapping[str, Mechanism], graph: ShaftGraph, table: 
 class MachineWalking:
     """How a machine stands and walks over a turn of its legs.
 
-    graph: its shafts. mechanisms, recipes, poses: by name; the recipes are at their speeds. turns: rotations of the
+    graph: its shafts. mechanisms, recipes, poses: by name. turns: rotations of the
     driver at the frames. speed_rpm: of the driver.
     """
 
@@ -99,8 +99,9 @@ class MachineWalking:
         return feet_of(self.mechanisms)
 
     def _own(self, name: str, turns: Real) -> Standing:
-        turn = 2 * np.pi * float(self.graph.speeds[name]) * turns + np.radians(self.mechanisms[name].phase_deg)
-        return self.recipes[name].standing_at(turn, self.feet.get(name, ""))
+        ratio = float(self.graph.speeds[name])
+        turn = 2 * np.pi * ratio * turns + np.radians(self.mechanisms[name].phase_deg)
+        return self.recipes[name].standing_at(turn, self.feet.get(name, ""), ratio * self.speed_rpm * np.pi / 30)
 
     @cached_property
     def _carried(self) -> Mapping[str, Standing]:

@@ -74,10 +74,11 @@ class AbstractPlaced:
         problem, remedy = f"found {shown(foot)}, but no recipe of a linkage", "omit it, or let a linkage stand"
         raise DesignError("foot", problem, remedy, "conflict")
 
-    def standing_at(self, turn: Real, foot: str) -> Standing:
+    def standing_at(self, turn: Real, foot: str, speed: float) -> Standing:
         """Its feet and its masses at rotations as in `scene_at`.
 
-        foot: name of the point that stands; empty if it is only carried. By default screws and shafts do not count.
+        foot: name of the point that stands; empty if it is only carried. speed: of its driver, in its own direction,
+        rad/s. By default screws and shafts do not count.
         """
         scene = self.scene_at(turn)
         heights = layer_heights(scene.bodies)

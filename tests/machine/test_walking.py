@@ -107,6 +107,15 @@ def test_payload_beyond_the_feet_tips_the_machine_and_the_suggestion_sets_it_up_
     assert standing.torques.walking.walking is not None
 
 
+def test_legs_without_loads_walk_at_the_speed_of_the_machine_on_what_is_carried():
+    _, leg = tables(30)
+    leg = {key: value for key, value in leg.items() if key != "loads"}
+    walker = {"foot_friction": 0.1, "carried": [{"mass_kg": 0.7}]}
+    slow, fast = (machine(leg, walker=walker, drive={"speed_rpm": rpm}).torques.walking for rpm in (-60, -180))
+    assert slow.stance.mass == 0.7 and slow.walking.step == pytest.approx(fast.walking.step)
+    assert 3 * slow.walking.mean_speed == pytest.approx(fast.walking.mean_speed)
+
+
 @pytest.mark.parametrize(
     ("change", "key"),
     [

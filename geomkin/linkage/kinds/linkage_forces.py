@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from ...core.records import record
 from ...model.material import Mass
-from ...model.motor import Motor
+from ...model.motor import Motor, MotorDuty
 from ...plane.vec import Complex, Real
 from ..drive_limits import largest_between
 from ..dynamics.inverse import ForceAnalysis
@@ -164,3 +165,16 @@ class AbstractLinkageForces(AbstractLinkageAspect[LoadsTable]):
     def _most_loaded(self) -> int:
         """Number of the leg of a walker whose foot carries most."""
         return int(np.argmax([np.abs(foot.force.values).max() for foot in self.feet])) if self.feet else 0
+
+    @property
+    def duty(self) -> MotorDuty:
+        """Torque and speed of the shaft."""
+        peak = self.peaks[EFFORT][0]
+        return replace(self.dense_duty, between=0.0 if np.isnan(peak) else peak)
+
+    @property
+    def dense_duty(self) -> MotorDuty:
+        """As `duty`, without the peaks between small steps."""
+        motion, effort = self.dense
+        speed = np.broadcast_to(np.asarray(motion.timing.speed, dtype=float), motion.drive.shape)
+        return MotorDuty(effort, speed, motion.drive)

@@ -23,7 +23,7 @@ from ...model.part import Part
 from ...model.scene import Limit, Scene, SceneHandle
 from ...model.table import Table
 from ...plane.vec import Complex, Real
-from ...recipe.aspect import Standing
+from ...recipe.aspect import Setting, Standing
 from ...recipe.composed import AbstractComposedRecipe, AspectKinds
 from ...recipe.recipe import Additions, mass_summary
 from ...recipe.settings import Files, Stroke, Turn
@@ -46,7 +46,7 @@ from .copies import Copy, copies_entry, is_whole_turn
 from .dwell_bands import DwellBand
 from .loaded import LoadsAspect
 from .loads import LoadsTable, loads_entry
-from .made import MadeLinkage
+from .made import DrivenLinkage, MadeLinkage
 from .moved import (
     AbstractMovedRecipe,
     Branches,
@@ -249,8 +249,9 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
             raise DesignError("recipe.loads.forces", problem, "omit it, or foot of this mechanism", "conflict")
         return 1 + len(self.made.copies)
 
-    def standing_at(self, turn: Real, foot: str) -> Standing:
-        motion, rows = self.made.moved_at(turn)
+    def standing_at(self, turn: Real, foot: str, speed: float) -> Standing:
+        driven = DrivenLinkage(self.linkage, self.made.branch, self.input_range, Setting(speed, 0.0))
+        motion, rows = driven.moved_at(turn)
         return standing_of(self.made, motion, foot).at_frames(rows)
 
     @property

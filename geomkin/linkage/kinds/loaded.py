@@ -21,7 +21,7 @@ from ...making.motors import (
     smallest_motor,
 )
 from ...model.check import Check, Suggestion
-from ...model.motor import RPM, Motor, MotorDuty, effective_value
+from ...model.motor import RPM, Motor, effective_value
 from ...model.scene import Hodograph, Plot, Scene, SceneHandle, SceneMark
 from ...model.table import Column, Table, vector_columns
 from ...recipe.aspect import ALONE
@@ -105,7 +105,7 @@ class LoadsAspect(AbstractLinkageForces):
             return None
         for _ in range(ROUNDS):
             with_wheel = replace(self, mechanism=replace(self.mechanism, flywheel=partial(_same, wheel)))
-            inertia = with_wheel._dense_duty.steadying_inertia / table.speed_fluctuation
+            inertia = with_wheel.dense_duty.steadying_inertia / table.speed_fluctuation
             if not np.isfinite(inertia):
                 problem = "is given, but the torque is unknown at positions that the linkage does not reach"
                 raise DesignError("loads.flywheel_sheets", problem, "let the driver turn fully, or omit it", "conflict")
@@ -116,7 +116,7 @@ class LoadsAspect(AbstractLinkageForces):
     def _flywheel_summary(self) -> Mapping[str, object]:
         """Inertia of the flywheel for `speed_fluctuation`, and its discs, or the one it would be; empty if none."""
         stock, allowed = self.mechanism.stock, self.given.speed_fluctuation
-        if allowed is None or not np.isfinite(inertia := self._dense_duty.steadying_inertia / allowed):
+        if allowed is None or not np.isfinite(inertia := self.dense_duty.steadying_inertia / allowed):
             return {}
         entries: dict[str, object] = {"inertia_kg_mm2": to_digits(inertia)}
         if stock.material is not None and inertia:
@@ -135,21 +135,8 @@ class LoadsAspect(AbstractLinkageForces):
         inertia = float(discs.inertia + discs.mass * np.abs(discs.centre - pivot) ** 2)
         advice = "its pins unbalance the driver: give more loads.flywheel_sheets, or a larger loads.speed_fluctuation"
         name = "fluctuation of the speed with the flywheel under a constant torque"
-        value, limit = self._dense_duty.steadying_inertia / inertia, self.given.speed_fluctuation
+        value, limit = self.dense_duty.steadying_inertia / inertia, self.given.speed_fluctuation
         return Check("speed_fluctuation", name, value, "at most", limit, "", advice)
-
-    @property
-    def duty(self) -> MotorDuty:
-        """Torque and speed of the shaft."""
-        peak = self.peaks[EFFORT][0]
-        return replace(self._dense_duty, between=0.0 if np.isnan(peak) else peak)
-
-    @property
-    def _dense_duty(self) -> MotorDuty:
-        """As `duty`, without the peaks between small steps."""
-        motion, effort = self.dense
-        speed = np.broadcast_to(np.asarray(motion.timing.speed, dtype=float), motion.drive.shape)
-        return MotorDuty(effort, speed, motion.drive)
 
     @cached_property
     def motor(self) -> Motor | None:
@@ -347,7 +334,7 @@ class LoadsAspect(AbstractLinkageForces):
             "efficiency": float(analysis.efficiency) if analysis.loads.friction else np.nan,
             "largest_condition": to_digits(float(np.fmax.reduce(analysis.condition)), 4),
         }
-        result |= power_summary(self._dense_duty)
+        result |= power_summary(self.dense_duty)
         result |= {key: value for key, number in known.items() if (value := to_digits_or_none(number)) is not None}
         if analysis.loads.friction:
             result["self_locking_percent"] = to_digits(100 * float(np.mean(analysis.self_locking)), 6)
