@@ -21,25 +21,18 @@ def four_bar_formulas(linkage: FourBar, table: Table, drive: Turn, unit: LengthU
     s, k, m, longest = sorted((g, a, b, c))
     for symbol, name, length in zip("slkm", ("shortest", "longest", "third", "second"), (s, longest, k, m)):
         worked.give(symbol, f"{name} length", length, mm)
-    p = worked.give(
-        "x_B", "coupler point from the crank pin, along the coupler", unit.of(linkage.coupler_point.real), mm
-    )
-    q = worked.give("y_B", "coupler point across the coupler, to its left", unit.of(linkage.coupler_point.imag), mm)
+    worked.give("x_B", "coupler point from the crank pin, along the coupler", unit.of(linkage.coupler_point.real), mm)
+    worked.give("y_B", "coupler point across the coupler, to its left", unit.of(linkage.coupler_point.imag), mm)
     theta = np.radians(
         worked.give("theta", "crank angle in this frame, from the ground", table.columns[0].values[row], "deg")
     )
-    omega = worked.give("omega", "angular velocity of the crank", drive.speed_rpm * np.pi / 30, "rad/s")
-    alpha = worked.give("alpha", "angular acceleration of the crank", drive.acceleration_rad_per_s2, "rad/s2")
+    worked.give("omega", "angular velocity of the crank", drive.speed_rpm * np.pi / 30, "rad/s")
+    worked.give("alpha", "angular acceleration of the crank", drive.acceleration_rad_per_s2, "rad/s2")
     sign = float(table["rocker_pin_branch"][row])
     worked.add(
         "Grashof: a link turns fully if this is at most 0", "G", "{s} + {l} - {k} - {m}", s + longest - k - m, mm
     )
-    for place, side, symbol in (("towards", "-", "mu_1"), ("away from", "+", "mu_2")):
-        between = (b * b + c * c - (g - a if side == "-" else g + a) ** 2) / (2 * b * c)
-        if abs(between) < 1:
-            name = f"transmission angle, least or largest, with the crank {place} the rocker's pivot"
-            template = f"arccos(abs({{b}}^2 + {{c}}^2 - ({{g}} {side} {{a}})^2) / (2 {{b}} {{c}}))"
-            worked.add(name, symbol, template, np.degrees(np.arccos(abs(between))), "deg")
+    _extreme_transmission_angles(worked)
     value = np.sqrt(g * g + a * a - 2 * g * a * np.cos(theta))
     d = worked.add("diagonal", "d", "sqrt({g}^2 + {a}^2 - 2 {g} {a} cos({theta} deg))", value, mm)
     between = (b * b + c * c - d * d) / (2 * b * c)
@@ -57,7 +50,26 @@ def four_bar_formulas(linkage: FourBar, table: Table, drive: Turn, unit: LengthU
     phi = np.radians(worked.add("rocker angle", "phi", template, delta - sign * psi, "deg"))
     value = np.arctan2(c * np.sin(phi) - a * np.sin(theta), g + c * np.cos(phi) - a * np.cos(theta))
     template = "atan2({c} sin({phi} deg) - {a} sin({theta} deg), {g} + {c} cos({phi} deg) - {a} cos({theta} deg))"
-    beta = np.radians(worked.add("coupler angle", "beta", template, np.degrees(value), "deg"))
+    worked.add("coupler angle", "beta", template, np.degrees(value), "deg")
+    _four_bar_rates(worked, mm)
+    return tuple(worked.formulas)
+
+
+def _extreme_transmission_angles(worked: WorkedFormulas) -> None:
+    """The transmission angles of a four-bar with its crank along the ground, which one that turns fully reaches."""
+    g, a, b, c = (worked.numbers[key] for key in "gabc")
+    for place, side, symbol in (("towards", "-", "mu_1"), ("away from", "+", "mu_2")):
+        between = (b * b + c * c - (g - a if side == "-" else g + a) ** 2) / (2 * b * c)
+        if abs(between) < 1:
+            name = f"transmission angle, least or largest, with the crank {place} the rocker's pivot"
+            template = f"arccos(abs({{b}}^2 + {{c}}^2 - ({{g}} {side} {{a}})^2) / (2 {{b}} {{c}}))"
+            worked.add(name, symbol, template, np.degrees(np.arccos(abs(between))), "deg")
+
+
+def _four_bar_rates(worked: WorkedFormulas, mm: str) -> None:
+    """Velocities and accelerations of a four-bar, and place and velocity of its coupler point, from its angles."""
+    a, b, c, p, q, omega, alpha = (worked.numbers[key] for key in ("a", "b", "c", "x_B", "y_B", "omega", "alpha"))
+    theta, phi, beta = (np.radians(worked.numbers[key]) for key in ("theta", "phi", "beta"))
     template = "{omega} {a} sin({theta} deg - {beta} deg) / ({c} sin({phi} deg - {beta} deg))"
     value = omega * a * np.sin(theta - beta) / (c * np.sin(phi - beta))
     omega_c = worked.add("angular velocity of the rocker", "omega_c", template, value, "rad/s")
@@ -90,7 +102,6 @@ def four_bar_formulas(linkage: FourBar, table: Table, drive: Turn, unit: LengthU
     template = "{omega} {a} cos({theta} deg) + {omega_b} ({x} - {a} cos({theta} deg))"
     value = omega * a * np.cos(theta) + omega_b * (x - a * np.cos(theta))
     worked.add("velocity of the coupler point, across the ground", "v_y", template, value, f"{mm}/s")
-    return tuple(worked.formulas)
 
 
 def slider_crank_formulas(
