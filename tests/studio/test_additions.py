@@ -1,5 +1,6 @@
 """Tables and items of lists that the form adds: each that is offered gives a valid recipe."""
 
+import numpy as np
 import pytest
 
 import geomkin as gk
@@ -55,3 +56,17 @@ def test_an_added_table_of_a_recipe_in_inches_has_the_same_sizes():
     (spring,), (other,) = (gk.load(answer(r, {}, {"add": "loads.springs"})["text"]).loads.springs for r in recipes)
     assert (spring.body, spring.point) == (other.body, other.point)
     assert other.free_length == pytest.approx(spring.free_length)
+
+
+@pytest.mark.parametrize("unit", [1.0, 25.4], ids=["mm", "in"])
+def test_attachments_of_a_ring_are_screwed_to_the_middle_of_its_rim(unit):
+    units = "mm" if unit == 1 else "in"
+    gear = f"[gear]\nteeth = 40\nmodule = {1.5 / unit}\n[stock]\nrim = {7 / unit}\nthickness = {4 / unit}\n"
+    text = f'kind = "ring-gear"\nunits = "{units}"\n{gear}'
+    recipe = gk.load(answer(text, {}, {"add": "stock.attachments"})["text"])
+    (ring,) = recipe.parts
+    teeth = np.abs(gk.flatten(next(hole for hole in ring.holes if not isinstance(hole, gk.plane.Circle)), 1e-3)).max()
+    edge = np.abs(gk.flatten(ring.outline, 1e-3)).max()
+    screws = [hole for hole in ring.holes if isinstance(hole, gk.plane.Circle)]
+    assert np.abs([hole.centre for hole in screws]) == pytest.approx([(teeth + edge) / 2] * 3, abs=0.01)
+    assert all(check.passed for check in recipe.checks if check.id.startswith("wall"))
