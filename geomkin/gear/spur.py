@@ -396,12 +396,9 @@ class SpurGear(AbstractInvoluteGear):
         if self.tooth_thickness_allowance and self._leaves_teeth(self.profile_shift, 0.0):
             thickest = min(self.tooth_thickness_allowance, np.pi * self.module)
             most = last_fit(lambda allowance: self._leaves_teeth(self.profile_shift, allowance), 0.0, thickest)
-            raise DesignError(
-                "tooth_thickness_allowance",
-                f"found {mm(self.tooth_thickness_allowance):g}, which leaves no tooth",
-                f"give at most {bare_mm(float(inside(most, 1, 6))):down6}",
-                value=inside(most, 1, 6),
-            )
+            problem = f"found {mm(self.tooth_thickness_allowance):g}, which leaves no tooth"
+            remedy = f"give at most {bare_mm(float(inside(most, 1, 6))):down6}"
+            raise DesignError("tooth_thickness_allowance", problem, remedy, value=inside(most, 1, 6))
         tooth, found = self._sharp, f"found {self.profile_shift:g}"
         remedy = "more teeth or a smaller addendum"
         if tooth.half_angle_at_base <= 0 or tooth.tip_radius <= max(tooth.base_radius, tooth.root_radius):
@@ -459,12 +456,9 @@ class SpurGear(AbstractInvoluteGear):
 
             most, fits = last_fit(is_complete, 0.0, value * self.module), False
         if not fits:
-            raise DesignError(
-                name,
-                f"found {value:g}, but the tips have room for {most / self.module:.4g} modules",
-                f"give at most {rounded_down(most / self.module)}",
-                value=rounded_down(most / self.module),
-            )
+            problem = f"found {value:g}, but the tips have room for {most / self.module:.4g} modules"
+            remedy = f"give at most {rounded_down(most / self.module)}"
+            raise DesignError(name, problem, remedy, value=rounded_down(most / self.module))
 
     @property
     def pressure_angle(self) -> float:

@@ -41,7 +41,7 @@ class Attachment:
         "number of screws on a circle", whole=True, default=0, at_least=0, at_most=MOST_BOLTS, example=3
     )
     bolt_circle: float | None = quantity(
-        "diameter of the circle of the screws", "mm", default=None, above=0, at_most=FARTHEST, example=18
+        "diameter of the circle of the screws", "mm", default=None, above=0, at_most=FARTHEST, example=17
     )
     bore: float = quantity(
         "diameter of its shaft or hub, which passes through its middle; 0 for none", "mm", default=0.0, at_least=0,

@@ -90,7 +90,8 @@ def _explained(check: Check, explained: set[str]) -> str:
     explained.add(entry)
     known = explained_check(check.id)
     items = "".join(f"<dt>{capital(word)}</dt><dd>{text(about)}</dd>" for word, about in known.items())
-    return f'<details id="explained-{entry}"><summary>{name}</summary><dl>{items}</dl></details>'
+    # A browser opens the details round the target of a link.
+    return f'<details><summary>{name}</summary><dl id="explained-{entry}">{items}</dl></details>'
 
 
 def worst_frame(check: Check, scene: Scene) -> int | None:

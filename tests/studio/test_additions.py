@@ -1,5 +1,6 @@
 """Tables and items of lists that the form adds: each that is offered gives a valid recipe."""
 
+import numpy as np
 import pytest
 
 import geomkin as gk
@@ -87,3 +88,17 @@ end_deg = 360
     for wrong in ("cam.follower=belt", "cam.follower=oscillating-flat", "cam=disk", "cam.program[7]=rise"):
         refused = answer(text, {}, {"add": wrong})
         assert refused["text"] == text and refused["limit"]["reason"] and not refused["problems"]
+
+
+@pytest.mark.parametrize("unit", [1.0, 25.4], ids=["mm", "in"])
+def test_attachments_of_a_ring_are_screwed_to_the_middle_of_its_rim(unit):
+    units = "mm" if unit == 1 else "in"
+    gear = f"[gear]\nteeth = 40\nmodule = {1.5 / unit}\n[stock]\nrim = {7 / unit}\nthickness = {4 / unit}\n"
+    text = f'kind = "ring-gear"\nunits = "{units}"\n{gear}'
+    recipe = gk.load(answer(text, {}, {"add": "stock.attachments"})["text"])
+    (ring,) = recipe.parts
+    teeth = np.abs(gk.flatten(next(hole for hole in ring.holes if not isinstance(hole, gk.plane.Circle)), 1e-3)).max()
+    edge = np.abs(gk.flatten(ring.outline, 1e-3)).max()
+    screws = [hole for hole in ring.holes if isinstance(hole, gk.plane.Circle)]
+    assert np.abs([hole.centre for hole in screws]) == pytest.approx([(teeth + edge) / 2] * 3, abs=0.01)
+    assert all(check.passed for check in recipe.checks if check.id.startswith("wall"))

@@ -234,20 +234,14 @@ class StraightSidedGear(AbstractFlankGear):
         settle_module(self)
         if self.tip_thickness < 0:
             largest = np.pi / 4 / self._slope
-            raise DesignError(
-                "addendum",
-                f"found {self.addendum:g}, but the flanks meet {largest:.4g} modules above the pitch circle",
-                f"give at most {rounded_down(largest)}, or a smaller flank_angle_deg",
-                value=rounded_down(largest),
-            )
+            problem = f"found {self.addendum:g}, but the flanks meet {largest:.4g} modules above the pitch circle"
+            remedy = f"give at most {rounded_down(largest)}, or a smaller flank_angle_deg"
+            raise DesignError("addendum", problem, remedy, value=rounded_down(largest))
         half = np.arctan2(self.root_thickness / 2, self.pitch_radius - self.dedendum * self.module)
         if half > np.pi / self.teeth:
-            raise DesignError(
-                "dedendum",
-                f"found {self.dedendum:g}, for which adjacent teeth meet",
-                f"give at most {rounded_down(self._deepest())}, or a smaller flank_angle_deg",
-                value=rounded_down(self._deepest()),
-            )
+            problem = f"found {self.dedendum:g}, for which adjacent teeth meet"
+            remedy = f"give at most {rounded_down(self._deepest())}, or a smaller flank_angle_deg"
+            raise DesignError("dedendum", problem, remedy, value=rounded_down(self._deepest()))
         if self.root_radius >= self.pitch_radius:
             problem = f"found {self.dedendum:g}, for which the bottom lands are outside the pitch circle"
             raise DesignError("dedendum", problem, f"give {self._shallowest()}")

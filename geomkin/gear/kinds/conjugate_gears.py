@@ -15,6 +15,7 @@ from ...core.fields import FARTHEST, entry, inside, quantity, to_digits
 from ...core.records import record
 from ...core.units import bare_mm, mm
 from ...making.assembly import PLAY, Assembly, BaseStock
+from ...making.attachments import Attachment
 from ...making.materials import STEEL_DENSITY
 from ...model.check import Check
 from ...model.material import Mass
@@ -296,3 +297,9 @@ class LanternGearsRecipe(AbstractShapedRecipe):
     @property
     def handles(self) -> tuple[SceneHandle, ...]:
         return tuple(conjugate_handles(self.design, "pinion", "pins"))
+
+    @classmethod
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        """Screws that leave a wall round the wheel's bore, if something is attached to it."""
+        key = "stock.mate_attachments"
+        return {key: Attachment("hub with a set screw", bolts=3, bolt_circle=18.0)} if key in tables else {}

@@ -27,12 +27,12 @@ from ..contract import AbstractInvoluteGear
 from ..helix import Hand, Helix, helix_angle
 from ..measures import chord, over_pins, over_stock_pins, span
 from ..parts import RingStock
+from ..ring import RingGear
 
 if TYPE_CHECKING:
     from ..pair import GearPair
     from ..planetary import PlanetarySet
     from ..rack import GearRack, RackPair
-    from ..ring import RingGear
     from ..spur import SpurGear
 
 
@@ -79,7 +79,9 @@ class RingAdditions(Additions):
         stock, _, name = key.rpartition(".")
         table = getattr(recipe, stock, None)
         if name == "attachments" and isinstance(table, RingStock):
-            ring, unit = getattr(recipe.design, "ring", recipe.design), UNITS[recipe.units]
+            design, unit = recipe.design, UNITS[recipe.units]
+            gears = (design, getattr(design, "second", None), getattr(design, "ring", None))
+            ring = next(gear for gear in gears if isinstance(gear, RingGear))
             circle, screw = 2 * ring.root_radius + table.rim, min(ON_RING.screw, table.rim / 4)
             sizes = {"bolt_circle": circle, "screw": screw}
             sizes = {size: to_digits(unit.of(length), 6) for size, length in sizes.items()}
