@@ -78,7 +78,8 @@ class MachineAdditions(Additions):
             inner = mechanism.recipe
             motors = [f"{key}.motor" for key in fields_of(type(inner)) if key.endswith("stock")]
             of_driver = (*OF_DRIVER, *motors) if mechanism.turned_by else ()
-            for key in (*inner.additions.unavailable(inner), *OF_MACHINE, "stroke", "printing", *of_driver):
+            refused = (*OF_MACHINE, "loads.carried", "stroke", "printing", *of_driver)
+            for key in (*inner.additions.unavailable(inner), *refused):
                 yield f"mechanisms.{name}.recipe.{key}"
 
 

@@ -29,7 +29,12 @@ def tables(step=8):
     return walker, {**leg, "loads": {**loads, "foot_friction": 0.0}}
 
 
-def machine(leg, legs=LEGS, walker=None, **further):
+def walker(**loads):
+    table, leg = tables(30)
+    return {**table, "loads": {**leg["loads"], **loads}}
+
+
+def machine(leg, legs=LEGS, on_feet=None, **further):
     """Legs above one another; the crank of one that is turned over points the other way at its own first position."""
     mechanisms = {
         f"leg{k}": {"recipe": leg, "foot": "foot", "turned_by": "pair.second", "mirrored": over,
@@ -37,7 +42,7 @@ def machine(leg, legs=LEGS, walker=None, **further):
         for k, (phase, over) in enumerate(legs)
     }  # fmt: skip
     table = {"kind": "machine", "mechanisms": {**mechanisms, "pair": PAIR}, "drive": {"speed_rpm": -60}, **further}
-    return gk.load(table if walker is None else {**table, "walker": walker})
+    return gk.load(table if on_feet is None else {**table, "walker": on_feet})
 
 
 @cache
@@ -46,9 +51,9 @@ def geared_legs():
 
 
 def test_separate_legs_walk_as_one_linkage_with_copies():
-    walker, leg = tables()
-    one = gk.load({**walker, "loads": {**walker["loads"], "carried": [{"mass_kg": 0.7, "along": 5, "across": 140}]}})
-    made = machine(leg, walker={"foot_friction": 0.5, "carried": [{"mass_kg": 0.7, "along": 5, "across": 140}]})
+    copies, leg = tables()
+    one = gk.load({**copies, "loads": {**copies["loads"], "carried": [{"mass_kg": 0.7, "along": 5, "across": 140}]}})
+    made = machine(leg, on_feet={"foot_friction": 0.5, "carried": [{"mass_kg": 0.7, "along": 5, "across": 140}]})
     ours, theirs = made.torques.walking, one.aspect("loads").walking
     assert ours.stance.mass == pytest.approx(theirs.stance.mass, rel=1e-12)
     assert ours.stance.least_margin[0] == pytest.approx(theirs.stance.least_margin[0], rel=1e-9)
@@ -96,13 +101,13 @@ def test_energy_of_a_step_is_the_work_of_friction():
 def test_payload_beyond_the_feet_tips_the_machine_and_the_suggestion_sets_it_up_again():
     _, leg = tables(30)
     carried = {"mass_kg": 3.0, "along": 200, "across": 140}
-    tipping = machine(leg, walker={"carried": [carried]})
+    tipping = machine(leg, on_feet={"carried": [carried]})
     checks = {check.id: check for check in tipping.torques.walking.checks}
     assert not checks["support_margin"].passed and checks["weight_carried"].value == 0
     (suggestion,) = checks["support_margin"].suggestions
     moved = {key.rpartition(".")[2]: value for key, value in suggestion.values.items()}
     assert set(suggestion.values) == {"walker.carried[0].along", "walker.carried[0].across"}
-    standing = machine(leg, walker={"carried": [carried | moved]})
+    standing = machine(leg, on_feet={"carried": [carried | moved]})
     assert {check.id: check.passed for check in standing.torques.walking.checks}["support_margin"]
     assert standing.torques.walking.walking is not None
 
@@ -110,8 +115,8 @@ def test_payload_beyond_the_feet_tips_the_machine_and_the_suggestion_sets_it_up_
 def test_legs_without_loads_walk_at_the_speed_of_the_machine_on_what_is_carried():
     _, leg = tables(30)
     leg = {key: value for key, value in leg.items() if key != "loads"}
-    walker = {"foot_friction": 0.1, "carried": [{"mass_kg": 0.7}]}
-    slow, fast = (machine(leg, walker=walker, drive={"speed_rpm": rpm}).torques.walking for rpm in (-60, -180))
+    carried = {"foot_friction": 0.1, "carried": [{"mass_kg": 0.7}]}
+    slow, fast = (machine(leg, on_feet=carried, drive={"speed_rpm": rpm}).torques.walking for rpm in (-60, -180))
     assert slow.stance.mass == 0.7 and slow.walking.step == pytest.approx(fast.walking.step)
     assert 3 * slow.walking.mean_speed == pytest.approx(fast.walking.mean_speed)
 
@@ -126,6 +131,10 @@ def test_legs_without_loads_walk_at_the_speed_of_the_machine_on_what_is_carried(
         (lambda t: [t["mechanisms"][f"leg{k}"].pop("foot") for k in range(6)], "walker"),
         (lambda t: t["mechanisms"]["leg3"]["recipe"]["loads"].update(
             forces=[{"body": "leg", "point": "foot", "force_n": [0, 1]}]), "mechanisms.leg3.recipe.loads.forces"),
+        (lambda t: t["mechanisms"].update(leg0={"recipe": walker(carried=[{"mass_kg": 1}]), "turned_by": "pair.second"}),
+         "mechanisms.leg0.recipe.loads.carried"),
+        (lambda t: t["mechanisms"].update(leg0={"recipe": walker(foot_friction=0.3), "turned_by": "pair.second"}),
+         "mechanisms.leg0.recipe.loads.foot_friction"),
     ],
 )  # fmt: skip
 def test_what_cannot_walk_is_refused_by_name(change, key):

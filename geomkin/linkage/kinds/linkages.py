@@ -244,9 +244,16 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
 
     def number_of_feet(self, foot: str) -> int:
         check_foot(foot, self.linkage.linkage)
-        if (loads := getattr(self, "loads", None)) and loads.pushes(foot):
+        loads = getattr(self, "loads", None)
+        if loads and loads.pushes(foot):
             problem = f"found one at {foot}, which carries its share of the weight of the machine"
             raise DesignError("recipe.loads.forces", problem, "omit it, or foot of this mechanism", "conflict")
+        for key in ("carried", "foot_friction"):
+            if loads and getattr(loads, key):
+                problem = "is given, but the feet of the machine carry it all"
+                raise DesignError(
+                    f"recipe.loads.{key}", problem, f"give walker.{key} of the machine instead", "conflict"
+                )
         return 1 + len(self.made.copies)
 
     def standing_at(self, turn: Real, foot: str, speed: float) -> Standing:
