@@ -73,6 +73,13 @@ def test_studio(studio, view):  # noqa: F811
     for text in (FOUR_BAR, ""):
         page = studio(text, **VIEWS[view]).page
         assert findings(page) == []
+        if text:
+            page.click("[data-view=text]")
+            assert findings(page) == []
+            page.fill("#text textarea", f"{text}rocker = ")
+            page.wait_for_selector(".code .wrong")
+            # The plots of the last valid recipe are greyed on purpose.
+            assert [finding for finding in findings(page) if finding[0] != "color-contrast"] == []
 
 
 @pytest.mark.parametrize("view", VIEWS)

@@ -45,7 +45,7 @@ export class TextPane {
     this.area = make(box, "textarea", { "aria-label": "The recipe as text", wrap: "off", spellcheck: "false", autocomplete: "off", autocapitalize: "off" });
     this.offers = make(root, "div", { class: "offers" });
     this.about = make(root, "p", { class: "about" });
-    this.list = make(root, "ul", { class: "problems", role: "alert" });
+    this.list = make(make(root, "div", { role: "alert" }), "ul", { class: "problems" });
     this.area.addEventListener("input", () => this.input());
     this.area.addEventListener("blur", () => this.send());
     this.area.addEventListener("scroll", () => { this.gutter.style.transform = `translateY(${-this.area.scrollTop}px)`; });
