@@ -26,6 +26,7 @@ from ..making.assembly import (
 )
 from ..making.bores import AbstractBored, bore, clearance, fits_of, shaft, widened
 from ..making.materials import MATERIALS
+from ..making.motors import mounted_motor_checks
 from ..model.check import Check
 from ..model.material import hertz_pressure
 from ..model.motor import RotatingBody
@@ -369,6 +370,7 @@ class CycloidalLoadsAspect(AbstractAspect[CycloidalDriveRecipe, CycloidalLoads])
 
     @property
     def checks(self) -> Iterator[Check]:
+        yield from mounted_motor_checks(self.mechanism)
         material, pressure = self.mechanism.stock.material, self.largest[-1]
         if material is not None and pressure > 0 and np.isfinite(material.yielding_pressure):
             words = f"pressure at which {material.name} yields over that of disc and pin"

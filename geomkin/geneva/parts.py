@@ -149,8 +149,8 @@ class GenevaPlates:
         arm, letters = rounded_hull((0j, *places), self.arm_radius), (*lock.hole_names, *("" for _ in places))
         crank = replace(lock, name="crank", outline=arm, holes=(*bored, *pins(places, self.arm_radius)))
         crank = replace(crank, hole_names=letters if bored else (), fits=(*lock.fits, *(of_pin * len(places))))
-        plate = replace(lock, name="wheel", outline=wheel.outline, holes=hole, body="wheel")
-        plate = replace(plate, hole_names=("B",) * len(hole), fits=own.fits[: len(hole)])
+        plate = replace(lock, name="wheel", outline=wheel.outline, holes=hole, body="wheel", fits=own.fits[: len(hole)])
+        plate = replace(plate, hole_names=("B",) * len(hole))
         if not wheel.internal:
             return plate, lock, crank, self._base
         held = pins(self.lock_pins, self._lock_wall)

@@ -47,7 +47,8 @@ def ground_slopes(feet: Complex, height: Real, centre: complex | Complex) -> Com
         at_b, at_c = cross(centre - a, c - a) / area, cross(b - a, centre - a) / area
         is_between = np.minimum(np.minimum(at_b, at_c), 1 - at_b - at_c) >= -ROUNDING
         # The gradient of the plane through the three feet.
-        gradient = 1j * ((yc - ya) * (b - a) - (yb - ya) * (c - a)) / area
+        with np.errstate(invalid="ignore"):
+            gradient = 1j * ((yc - ya) * (b - a) - (yb - ya) * (c - a)) / area
         above = (height - ya - dot(gradient, feet - a)).min(axis=0)
         carries = is_between & (above >= -ROUNDING * (size + np.ptp(height, axis=0)))
         steeper = carries & ~(np.abs(gradient) <= np.abs(slope))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar, Literal
@@ -28,7 +27,7 @@ from ..recipe.load import from_table, to_toml
 from ..recipe.recipe import AbstractAssembledRecipe, AbstractGoal, AbstractRecipe, Additions, assembly_summary
 from ..recipe.settings import SLOWEST_RPM, Files
 from .assembly import MachineAssembly
-from .mechanism import Mechanism, refuse_machine
+from .mechanism import Mechanism, errors_of, refuse_machine
 from .placed import PlacedMechanism, joined_scene, joined_table
 from .shaft_fits import ShaftFit, motor_key, motor_room, shaft_fits
 from .shafts import ShaftGraph
@@ -181,12 +180,12 @@ class MachineRecipe(AbstractAssembledRecipe):
     @cached_property
     def placed(self) -> tuple[PlacedMechanism, ...]:
         """All mechanisms in their places, the lowest first."""
-        graph, layer, placed = self.graph, 0, []
+        graph, recipes, layer, placed = self.graph, self.recipes, 0, []
         for name, mechanism in self.mechanisms.items():
             turn = 2 * np.pi * float(graph.speeds[name]) * self.turns + np.radians(mechanism.phase_deg)
             placement = ShaftPlacement(self.poses[name], mechanism.mirrored)
             with errors_of(name):
-                own, is_reversed = self.recipes[name], mechanism.is_reversed
+                own, is_reversed = recipes[name], mechanism.is_reversed
                 placed.append(PlacedMechanism(name, own, placement, turn, is_reversed, layer, mechanism.gap))
                 layer += placed[-1].layers
         return tuple(placed)
@@ -435,13 +434,3 @@ EXAMPLE_LEGS: dict[str, object] = {
     "copies": [{"mirrored": True}, {"phase_deg": 180}, {"phase_deg": 180, "mirrored": True}],
     "stock": {"thickness": 4, "pin_diameter": 4},
 }
-
-
-@contextmanager
-def errors_of(name: str) -> Iterator[None]:
-    """Name the mechanism in a DesignError of its recipe."""
-    try:
-        yield
-    except DesignError as error:
-        field = error.field if error.field.startswith("mechanisms") else f"mechanisms.{name}.recipe.{error.field}"
-        raise error.named(field) from None

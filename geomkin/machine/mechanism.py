@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Annotated, Any, NoReturn
 
 from ..core.errors import DesignError, RecipeError, shown
@@ -105,3 +106,13 @@ class Mechanism:
     def is_reversed(self) -> bool:
         """Whether its layers are in the reverse order in the machine."""
         return self.mirrored != self.upside_down
+
+
+@contextmanager
+def errors_of(name: str) -> Iterator[None]:
+    """Name the mechanism in a DesignError of its recipe."""
+    try:
+        yield
+    except DesignError as error:
+        field = error.field if error.field.startswith("mechanisms") else f"mechanisms.{name}.recipe.{error.field}"
+        raise error.named(field) from None

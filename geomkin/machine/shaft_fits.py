@@ -110,7 +110,8 @@ class ShaftFit:
             return  # A ring that turns a ring.
         words = ", ".join(f"{name} {mm(bore):g}" if bore > 0 else f"{name} none" for name, bore in bores.items())
         advice = "give all bodies on this shaft the same bore: bore of gears and cams, pin_diameter of linkages"
-        spread = without_rounding(np.ptp(list(bores.values())), max(bores.values()))
+        # Bores given in inches agree to their last written digit only.
+        spread = float(np.round(np.ptp(list(bores.values())), 6))
         yield Check(f"{id}_bores", f"difference of bores on one shaft ({words})", spread, "at most", 0.0, "mm", advice)
         if not self.diameter > 0:
             return

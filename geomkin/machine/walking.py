@@ -23,7 +23,7 @@ from ..model.table import Column
 from ..plane.vec import Pose, Real
 from ..recipe.aspect import FootForces, ShaftPlacement, Standing
 from ..recipe.recipe import AbstractRecipe
-from .mechanism import Mechanism
+from .mechanism import Mechanism, errors_of
 from .shaft_fits import motor_key
 from .shafts import ShaftGraph
 
@@ -101,7 +101,8 @@ class MachineWalking:
     def _own(self, name: str, turns: Real) -> Standing:
         ratio = float(self.graph.speeds[name])
         turn = 2 * np.pi * ratio * turns + np.radians(self.mechanisms[name].phase_deg)
-        return self.recipes[name].standing_at(turn, self.feet.get(name, ""), ratio * self.speed_rpm * np.pi / 30)
+        with errors_of(name):
+            return self.recipes[name].standing_at(turn, self.feet.get(name, ""), ratio * self.speed_rpm * np.pi / 30)
 
     @cached_property
     def _carried(self) -> Mapping[str, Standing]:

@@ -67,12 +67,14 @@ def bore(diameter: float, clearance: float, widest: float, key: str, centre: com
     room = f"in a part whose least width is {mm(widest):.7g}"
     if not SMALLEST <= diameter < widest - min(clearance, 0.0):
         most = widest - clearance
-        sizes = (
-            f"at least {bare_mm(SMALLEST):up} and less than {mm(most):down}"
+        # Pins and screws are needed.
+        ways = ["give 0 for none"] if key.endswith("bore") else []
+        ways += (
+            [f"give at least {bare_mm(SMALLEST):up} and less than {mm(most):down}"]
             if most > SMALLEST
-            else "make the part larger"
+            else ["make the part larger"]
         )
-        remedy = f"give 0 for none, or {sizes}"
+        remedy = ", or ".join(ways)
         raise DesignError(
             key, f"found {mm(diameter):g} {room}", remedy, value=inside(most, 1) if most > SMALLEST else 0
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
@@ -193,6 +193,18 @@ def motor_check(
     limit = LEAST_MOTOR_MARGIN
     suggestions = (Suggestion({key: better}),) if better else ()
     return Check("motor_torque", name, motor.margin(duty), "at least", limit, "", advice, column, at, "", suggestions)
+
+
+# Angles of a driver's turn at which the torque on its motor is computed, rad.
+TURN = np.linspace(0, 2 * np.pi, 3601)
+
+
+def mounted_motor_checks(mechanism: Any) -> Iterator[Check]:
+    """Whether the motor that a plate of a mechanism carries supplies the torque of its loads; a machine has its own."""
+    motor, torque = MOTORS.get(str(mechanism.stock.motor)), mechanism.torque_at(TURN)
+    if motor is not None and torque is not None and mechanism.setting.speed is None:
+        speed = np.full(TURN.shape, abs(mechanism.drive.speed))
+        yield motor_check(motor, MotorDuty(np.abs(torque), speed, TURN), key="stock.motor")
 
 
 def engagement_check(motor: str | MotorFace, engaged: float, below: float) -> Check:

@@ -9,7 +9,7 @@ from math import hypot, pi, sqrt, tan
 import numpy as np
 
 from ..core.errors import DesignError
-from ..core.fields import to_digits
+from ..core.fields import last_fit, to_digits
 from ..core.records import record
 from ..core.units import mm
 from ..model.check import Check
@@ -34,6 +34,23 @@ MOST_STRAIN = 0.03
 PLAY = 0.2
 
 
+# Diameter of a pin whose legs are thick enough with any clearance, mm.
+WIDEST = 100.0
+
+
+def _barb(diameter: float, clearance: float) -> float:
+    return sqrt(((diameter + clearance) / 2 + CATCH * diameter) ** 2 - (THICKNESS * diameter / 2) ** 2)
+
+
+def _deflection(diameter: float, clearance: float) -> float:
+    hole = (diameter + clearance) / 2
+    return _barb(diameter, clearance) - sqrt(hole**2 - (THICKNESS * diameter / 2) ** 2)
+
+
+def _leg(diameter: float, clearance: float) -> float:
+    return WIDTH * diameter / 2 - _deflection(diameter, clearance)
+
+
 @record
 class SnapPin(Fastener):
     """A printed pin; its holes are wider by the clearance, mm. density: of its material, kg/m3, 0 if unknown."""
@@ -43,11 +60,9 @@ class SnapPin(Fastener):
 
     def __post_init__(self) -> None:
         if self.leg < THINNEST_LEG:
-            least = self.diameter * THINNEST_LEG / max(self.leg, 0.1 * self.diameter)
             problem = f"found snap, but legs of a pin of {mm(self.diameter):g} are {mm(max(self.leg, 0.0)):.2g} thick"
-            raise DesignError(
-                "printing.pins", problem, f"give pins of about {mm(least):.2g}, or a smaller clearance", "conflict"
-            )
+            least = last_fit(lambda diameter: _leg(diameter, self.clearance) >= THINNEST_LEG, WIDEST, self.diameter)
+            raise DesignError("printing.pins", problem, f"give pins of at least {mm(least):up}", "conflict")
 
     @property
     def thickness(self) -> float:
@@ -57,21 +72,17 @@ class SnapPin(Fastener):
     @cached_property
     def barb(self) -> float:
         """Half the width across the barbs, mm."""
-        return sqrt((self._hole + CATCH * self.diameter) ** 2 - self.thickness**2 / 4)
-
-    @property
-    def _hole(self) -> float:
-        return (self.diameter + self.clearance) / 2
+        return _barb(self.diameter, self.clearance)
 
     @property
     def deflection(self) -> float:
         """By how much each barb moves inwards to pass the hole, mm."""
-        return self.barb - sqrt(self._hole**2 - self.thickness**2 / 4)
+        return _deflection(self.diameter, self.clearance)
 
     @property
     def leg(self) -> float:
         """Thickness of a leg, mm: the slit between both lets them meet."""
-        return WIDTH * self.diameter / 2 - self.deflection
+        return _leg(self.diameter, self.clearance)
 
     @property
     def across(self) -> float:

@@ -375,11 +375,15 @@ _Gravity = Annotated[float, between(-MOST_GRAVITY, MOST_GRAVITY)]
 Gravity = tuple[_Gravity, _Gravity]
 
 
+# m/s2, in the frame of a recipe.
+STANDARD_GRAVITY = (0.0, -9.81)
+
+
 def gravity_entry() -> Any:
     """Field for the gravity of a table of loads."""
     return entry(
         "acceleration of a falling body, [x, y] in m/s2; [0, 0] if it is not considered",
-        default=(0.0, -9.81),
+        default=STANDARD_GRAVITY,
         units=("m/s2", "m/s2"),
     )
 

@@ -271,3 +271,11 @@ def test_a_crank_that_turns_clockwise_moves_the_wheel_counterclockwise():
     angle = own.table["wheel_angle"]
     assert angle[-1] - angle[0] == pytest.approx(90) and np.diff(angle).min() >= -1e-9
     assert own.table["wheel_velocity"].min() >= 0
+
+
+@pytest.mark.parametrize("internal", [False, True])
+def test_a_wheel_without_bore_has_no_hole_on_its_axis(internal):
+    made = drive(slots=6, distance=80, internal=internal, stock={"wheel_bore": 0})
+    wheel = next(part for part in made.parts if part.name == ("disc" if internal else "wheel"))
+    assert all(abs(hole.centre) > 1 for hole in wheel.holes if isinstance(hole, gk.plane.Circle))
+    assert internal or not wheel.holes

@@ -135,6 +135,8 @@ def test_legs_without_loads_walk_at_the_speed_of_the_machine_on_what_is_carried(
          "mechanisms.leg0.recipe.loads.carried"),
         (lambda t: t["mechanisms"].update(leg0={"recipe": walker(foot_friction=0.3), "turned_by": "pair.second"}),
          "mechanisms.leg0.recipe.loads.foot_friction"),
+        (lambda t: t["mechanisms"]["leg2"]["recipe"]["loads"].update(gravity_m_per_s2=[0, 9.81]),
+         "mechanisms.leg2.recipe.loads.gravity_m_per_s2"),
     ],
 )  # fmt: skip
 def test_what_cannot_walk_is_refused_by_name(change, key):

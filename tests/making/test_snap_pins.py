@@ -1,5 +1,6 @@
 """Printed pins: their outline measured by shapely, their legs bent by numbers, and the mechanisms that they join."""
 
+import re
 from collections import Counter
 from math import hypot
 
@@ -171,3 +172,17 @@ def test_motors_keep_their_shafts():
     assert [part.count for part in pins] == [1] and area(pins[0].outline) > 0
     crank = gk.load({**BAR, "stock": {**BAR["stock"], "motor": "nema17", "thickness": 4}})
     assert sum(part.count for part in crank.parts if part.name.startswith("pin_")) == 3
+
+
+@pytest.mark.parametrize("clearance", [0.05, 0.3, 0.8])
+def test_the_advised_pins_have_legs_that_are_thick_enough(clearance):
+    def bar(diameter):
+        return BAR | {"stock": {"pin_diameter": diameter}, "printing": {"clearance": clearance, "pins": "snap"}}
+
+    with pytest.raises(gk.RecipeError) as refused:
+        gk.load(bar(1.5))
+    (problem,) = refused.value.problems
+    advised = float(re.search(r"at least ([\d.]+)", problem.remedy)[1])
+    assert gk.load(bar(advised)).has_snap_pins
+    with pytest.raises(gk.RecipeError):
+        gk.load(bar(0.999 * advised))

@@ -228,6 +228,13 @@ def test_ground_pivots_stay_in_their_boxes(small):
             assert abs(pivots.point(name).position[0].imag) <= 30 + 1e-9
 
 
+def test_links_that_no_growth_can_have_are_refused_or_kept(small):
+    path = np.array([0, 20 + 3j, 40 + 2j, 60, 72 + 12j, 75 + 28j, 70 + 45j])
+    with pytest.raises(gk.DesignError) as refused:
+        gk.path_generator(path, closed=False, bars=6, bounds={"links": (1e-6, 1e-5)})
+    assert refused.value.field == "bounds"
+
+
 @pytest.mark.parametrize("bars", [4, pytest.param(6, marks=pytest.mark.campaign)])
 def test_links_stay_within_their_bounds(small, bars):
     found = gk.path_generator(EIGHT[::4], closed=True, bars=bars, bounds={"links": (15, 90)})

@@ -26,7 +26,7 @@ from ...plane.vec import Complex, Real
 from ...recipe.aspect import Setting, Standing
 from ...recipe.composed import AbstractComposedRecipe, AspectKinds
 from ...recipe.recipe import Additions, mass_summary
-from ...recipe.settings import Files, Stroke, Turn
+from ...recipe.settings import STANDARD_GRAVITY, Files, Stroke, Turn
 from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
 from ..joints.slide import are_equal
 from ..linkage import AbstractLinkage
@@ -254,6 +254,9 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
                 raise DesignError(
                     f"recipe.loads.{key}", problem, f"give walker.{key} of the machine instead", "conflict"
                 )
+        if loads and loads.gravity_m_per_s2 != STANDARD_GRAVITY:
+            problem = f"found {list(loads.gravity_m_per_s2)}, but the ground carries the weight of the machine"
+            raise DesignError("recipe.loads.gravity_m_per_s2", problem, "omit it", "conflict")
         return 1 + len(self.made.copies)
 
     def standing_at(self, turn: Real, foot: str, speed: float) -> Standing:

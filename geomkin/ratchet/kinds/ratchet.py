@@ -14,6 +14,7 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
 from ...making.assembly import BaseStock
+from ...making.motors import mounted_motor_checks
 from ...model.check import Check
 from ...model.motor import RotatingBody
 from ...model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark, circle_handle, point_handle
@@ -209,6 +210,7 @@ class RatchetLoadsAspect(AbstractAspect[RatchetRecipe, RatchetLoads]):
 
     @property
     def checks(self) -> Iterator[Check]:
+        yield from mounted_motor_checks(self.mechanism)
         if (allowed := self.given.allowed_force_n) is not None:
             advice = "give a larger ratchet.diameter, or a smaller load"
             yield Check("pawl_load", "force on the pawl", self.force, "at most", allowed, "N", advice)

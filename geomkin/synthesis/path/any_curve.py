@@ -81,7 +81,7 @@ class CurveTask:
             parts[..., k] = np.where(
                 chains.bodies[..., k // 2] == GROUND, _clipped(parts[..., k], self.bounds.pivots, k % 2), parts[..., k]
             )
-        x[:, chains.head : -2] = parts.reshape(len(x), -1)
+        x[:, chains.head : -2] = parts.reshape(len(x), chains.dyads * PER_DYAD)
         return replace(chains, x=x)
 
 
@@ -443,7 +443,7 @@ class CurveSearch:
     def chosen(self, state: State, cost: Real, count: int) -> tuple[State, Real]:
         """The best distinct chains, few of one kind, and at most half of kinds that seldom stack."""
         bodies, order = state.chains.bodies, np.argsort(cost, kind="stable")
-        kinds = np.unique(bodies.reshape(len(bodies), -1), axis=0, return_inverse=True)[1].ravel()
+        kinds = np.unique(bodies.reshape(len(bodies), 2 * state.chains.dyads), axis=0, return_inverse=True)[1].ravel()
         stacking, rows, seldom = stacks(bodies), list[int](), 0
         costs: dict[int, list[float]] = {kind: [] for kind in kinds.tolist()}
         for row in order[np.isfinite(cost[order])].tolist():
@@ -479,9 +479,9 @@ class CurveSearch:
         scale = np.maximum(np.abs(x), 0.1)
         scale[:, logs] = 1
         scale[:, : ends.head] = size
-        parts = scale[:, ends.head : -2].reshape(len(ends), -1, PER_DYAD)
+        parts = scale[:, ends.head : -2].reshape(len(ends), ends.dyads, PER_DYAD)
         parts[..., :4] = np.where(np.repeat(ends.bodies == GROUND, 2, axis=2), size[:, None], parts[..., :4])
-        scale[:, ends.head : -2] = parts.reshape(len(ends), -1)
+        scale[:, ends.head : -2] = parts.reshape(len(ends), ends.dyads * PER_DYAD)
         return replace(state[rows], chains=self.task.within(replace(ends, x=x + scale * change)))
 
     def finished(self, state: State) -> State:

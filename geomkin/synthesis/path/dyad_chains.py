@@ -85,7 +85,7 @@ class Chains:
     @property
     def pins(self) -> Complex:
         """P and Q of each dyad in their bodies, (s, n, 2)."""
-        places: Complex = self._parts[..., :4].reshape(len(self), -1, 2, 2) @ np.array([1, 1j])
+        places: Complex = self._parts[..., :4].reshape(len(self), self.dyads, 2, 2) @ np.array([1, 1j])
         return places
 
     @property
@@ -95,7 +95,7 @@ class Chains:
 
     @property
     def _parts(self) -> Real:
-        return self.x[:, self.head : -2].reshape(len(self), -1, PER_DYAD)
+        return self.x[:, self.head : -2].reshape(len(self), self.dyads, PER_DYAD)
 
     def placed(self, factor: Complex, shift: Complex, mirrored: np.ndarray) -> Chains:
         """The chains mirrored about the x axis where asked, then rotated and scaled by `factor` and shifted."""
@@ -103,10 +103,10 @@ class Chains:
         flip, head = np.where(mirrored, -1.0, 1.0), self.head
         # All imaginary parts.
         x[:, [*range(1, head, 2), -1]] *= flip[:, None]
-        parts = x[:, head:-2].reshape(len(x), -1, PER_DYAD)
+        parts = x[:, head:-2].reshape(len(x), self.dyads, PER_DYAD)
         parts[..., [1, 3]] *= flip[:, None, None]
         parts[..., 4:] += np.log(np.abs(factor))[:, None, None]
-        pins = parts[..., :4].reshape(len(x), -1, 2, 2) @ np.array([1, 1j])
+        pins = parts[..., :4].reshape(len(x), self.dyads, 2, 2) @ np.array([1, 1j])
         scaled = pins * factor[:, None, None]
         pins = np.where(
             self.bodies == GROUND, scaled + shift[:, None, None], np.where(self.bodies <= CRANK, scaled, pins)
@@ -114,7 +114,7 @@ class Chains:
         parts[..., 0:4:2], parts[..., 1:4:2] = pins.real, pins.imag
         pivots = (x[:, 0:head:2] + 1j * x[:, 1:head:2]) * factor[:, None] + shift[:, None]
         x[:, 0:head:2], x[:, 1:head:2] = pivots.real, pivots.imag
-        x[:, head:-2] = parts.reshape(len(x), -1)
+        x[:, head:-2] = parts.reshape(len(x), self.dyads * PER_DYAD)
         return replace(self, signs=signs, x=x)
 
 
