@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.errors import DesignError, printable, shown
 from ...core.field_visitor import WrittenForm
-from ...core.fields import FARTHEST, ComplexPoint, Ratio, entry, point_of, quantity
+from ...core.fields import FARTHEST, ComplexPoint, Ratio, entry, point_of, quantity, to_digits
 from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
 from ...core.reprs import clipped
@@ -479,7 +479,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
             # The nearest with each number of bars, by rank.
             entries["front"] = [
                 {"choose": 1 + next(k for k, one in enumerate(best.ranked) if one is found), "bars": found.bars}
-                | {"largest_distance_mm": ten_digits(found.largest_distance)}
+                | {"largest_distance_mm": to_digits(found.largest_distance, 6)}
                 for found in best.front
             ]
         if best.path_count is not None:
