@@ -14,6 +14,8 @@ from ..model.check import Check
 
 # Largest widening and chamfer of prints, mm. Nozzles are at most 2 mm wide; a larger number is a mistake of units.
 MOST = 2.0
+# Least chamfer, mm. The corners of a smaller one coincide.
+LEAST_FOOT = 0.01
 # Least gap of parts that are printed in place, mm: printers join what is nearer; chosen here. 0.2 is safer.
 LEAST_GAP = 0.1
 # The one assembly step.
@@ -51,6 +53,11 @@ class Printing:
     in_place: bool = entry(
         "print the assembly in one piece, by the format assembly-3mf; its parts must not touch", default=False
     )
+
+    def __post_init__(self) -> None:
+        if 0 < self.foot < LEAST_FOOT:
+            remedy = f"give 0 for none, or at least {mm(LEAST_FOOT):up}"
+            raise DesignError("foot", f"found {mm(self.foot):.4g}", remedy, "out-of-range", value=0.0)
 
 
 def apply_clearance(recipe: Any) -> None:

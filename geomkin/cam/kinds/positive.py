@@ -96,6 +96,8 @@ def roller_play(cam: Cam, walls: Sequence[Wall], angle: Real, most: float) -> tu
 
 # Chord tolerance of the walls whose play is computed, as a share of the clearance, and its least value, mm.
 CHORDS, LEAST_CHORDS = 0.005, 1e-4
+# Largest radius of cams whose play is computed, mm: their walls have 60,000 chords.
+WIDEST = 1e5
 # Free distance of guide pins from a turning plate, mm.
 FREE = 1.0
 # Largest play of the roller along its path, in clearances: between parallel walls it is 1 over the cosine of the
@@ -141,6 +143,10 @@ class AbstractPositiveCam(MadeCam):
             problem = f"its velocity jumps at {at:.4g} deg, where the walls would not meet"
             remedy = "start and end the motion with a law that rests there"
             raise DesignError("cam.program", problem, remedy, "conflict")
+        widest = float(np.abs(self.cam.contact(samples(self.cam.program.breaks).ravel()).point).max())
+        if not widest <= WIDEST:
+            problem = f"found a cam that reaches {mm(widest):.4g} from its axis, too large for the sweep of its play"
+            raise DesignError("cam", problem, "give smaller lifts, or a smaller base_radius", "too-much-work")
         self.check_walls()
         self.bars  # noqa: B018  raises if a stem is too short
 
