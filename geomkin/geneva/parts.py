@@ -69,8 +69,7 @@ class GenevaStock(AbstractBored):
         """The stock with the bore of the wheel, which no motor drives."""
         if self.wheel_bore is None:
             return replace(self, motor=None, flat=self.across_flat)
-        plain = {"bore_form": "round", "flat": None, "keyway_width": 0.0, "keyway_depth": 0.0}
-        return replace(self, motor=None, bore=self.wheel_bore, **plain)  # type: ignore[arg-type]
+        return self.with_round_bore(self.wheel_bore)
 
 
 @record(eq=False)

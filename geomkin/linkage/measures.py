@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from functools import partial
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -204,8 +203,9 @@ def transmission_extreme(motion: Motion, sign: Literal[1, -1]) -> tuple[float, f
     return 0.0 if abs(value) < NO_ANGLE_DEG else sign * float(value), float(drive)
 
 
-# deg. A body that moves through less is at rest.
-AT_REST_DEG = 1e-6
+# deg. A body that moves through less is at rest, and one that moves through more may turn fully: its ends between
+# frames are not known.
+AT_REST_DEG, ALL_ROUND_DEG = 1e-6, 350.0
 
 
 def swings(motion: Motion) -> dict[str, tuple[float, float]]:
@@ -213,23 +213,28 @@ def swings(motion: Motion) -> dict[str, tuple[float, float]]:
 
     Of the driver, of a body that turns fully, and of a linkage that does not close everywhere there is none.
     """
-    linkage, found = motion.linkage, {}
+    linkage, middles = motion.linkage, dict[str, float]()
     fixed = linkage.bodies[linkage.ground].keys() & linkage.pins.keys()
     for name, points in linkage.bodies.items() if motion.assembled.all() else ():
         angles = unwrapped_deg(motion.bodies[name].direction)
-        middle, extent = (angles.min() + angles.max()) / 2, np.ptp(angles)
-        if name in (linkage.ground, linkage.driver) or not points.keys() & fixed or not AT_REST_DEG < extent < 359:
-            continue
-        turned = np.exp(-1j * np.radians(middle))
+        is_follower = name not in (linkage.ground, linkage.driver) and points.keys() & fixed
+        if is_follower and AT_REST_DEG < np.ptp(angles) < ALL_ROUND_DEG:
+            middles[name] = float(angles.min() + angles.max()) / 2
+    if not middles:
+        return {}
 
-        def apart(moved: Motion, sign: int, name: str = name, turned: complex = turned) -> Real:
-            angle: Real = sign * np.angle(moved.bodies[name].direction * turned, deg=True)
-            return angle
+    def both_ways(moved: Motion) -> Real:
+        """Angles from the middles in both senses, deg."""
+        apart = [
+            np.angle(moved.bodies[name].direction * np.exp(-1j * np.radians(middle)), deg=True)
+            for name, middle in middles.items()
+        ]
+        return np.concatenate([np.negative(apart), apart])
 
-        ends = (sign * float(largest_between(motion, partial(apart, sign=sign))[0]) for sign in (-1, 1))
-        least, largest = (float(middle + end) for end in ends)
-        found[name] = (least, largest)
-    return found
+    lower, upper = largest_between(motion, both_ways)[0].reshape(2, -1).tolist()
+    return {
+        name: (middle - below, middle + above) for (name, middle), below, above in zip(middles.items(), lower, upper)
+    }
 
 
 # Largest number of bodies whose lengths are listed.

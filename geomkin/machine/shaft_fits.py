@@ -12,9 +12,9 @@ from ..core.fields import to_digits
 from ..core.records import record
 from ..core.units import mm
 from ..making.assembly import collar_bill, collar_width
-from ..making.motors import face_of
+from ..making.motors import MOTORS, face_of
 from ..model.check import Check
-from ..model.motor import RotatingBody
+from ..model.motor import Motor, RotatingBody
 from ..model.part import Bought, HoleFit, Part
 from ..model.scene import SceneBody
 from ..plane.flatten import flatten
@@ -244,3 +244,9 @@ def motor_key(recipe: AbstractRecipe) -> str:
     """The key of the motor on the driver of a recipe; empty without one."""
     keys = (field.name for field in fields(recipe) if field.name.endswith("stock"))
     return next((f"{key}.motor" for key in keys if getattr(getattr(recipe, key), "motor", None) is not None), "")
+
+
+def mounted_motor(recipe: AbstractRecipe) -> Motor | None:
+    """The motor on the driver of a recipe, for which a plate has holes."""
+    stock, _, name = motor_key(recipe).partition(".")
+    return MOTORS.get(str(getattr(getattr(recipe, stock), name))) if name else None

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.fields import to_digits
 from ..core.records import record
-from ..making.motors import MOTORS, motor_check, motor_summary, nearest_motor, power_summary, smallest_motor
+from ..making.motors import motor_check, motor_summary, nearest_motor, power_summary, smallest_motor
 from ..model.check import Check
 from ..model.motor import RPM, Motor, MotorDuty
 from ..model.scene import Plot
@@ -20,7 +20,7 @@ from ..recipe.aspect import Setting, ShaftPlacement
 from ..recipe.recipe import AbstractRecipe
 from .mechanism import Mechanism
 from .placed import TORQUE
-from .shaft_fits import motor_key
+from .shaft_fits import motor_key, mounted_motor
 from .shafts import ShaftGraph
 from .walking import MachineWalking
 
@@ -158,13 +158,11 @@ class MachineTorques:
         if (duty := self.duty) is None or not np.isfinite(duty.torque).any():
             return None
         recipe, key = self.recipes[self.graph.driver], f"mechanisms.{self.graph.driver}.recipe"
-        stock, _, name = motor_key(recipe).partition(".")
         named = getattr(getattr(recipe, "loads", None), "motor", None)
         if named is not None:
             return named, f"{key}.loads.motor"
-        mounted = MOTORS.get(str(getattr(getattr(recipe, stock), name))) if name else None
-        if mounted:
-            return mounted, f"{key}.{stock}.{name}"
+        if mounted := mounted_motor(recipe):
+            return mounted, f"{key}.{motor_key(recipe)}"
         return smallest_motor(duty) or nearest_motor(duty), f"{key}.loads.motor"
 
     @property

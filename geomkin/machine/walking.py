@@ -16,7 +16,6 @@ from ..linkage.kinds.loaded import LEAST_CARRIED
 from ..linkage.kinds.loads import CarriedMass
 from ..linkage.kinds.stance import FEWEST_FEET, UNKNOWN_STANCE, UPRIGHT, Stance, stance_with
 from ..linkage.kinds.walking import POSITIONS, Walking
-from ..making.motors import MOTORS
 from ..model.check import Check
 from ..model.scene import Plot
 from ..model.table import Column
@@ -24,7 +23,7 @@ from ..plane.vec import Pose, Real
 from ..recipe.aspect import FootForces, ShaftPlacement, Standing
 from ..recipe.recipe import AbstractRecipe
 from .mechanism import Mechanism, errors_of
-from .shaft_fits import motor_key
+from .shaft_fits import mounted_motor
 from .shafts import ShaftGraph
 
 # Gravity, mm/s2; it points down in the machine.
@@ -70,19 +69,16 @@ def check_walker(mechanisms: Mapping[str, Mechanism], graph: ShaftGraph, table: 
             problem = f"found {foot}, but it turns at {ratio} times the speed of {first}, so that they do not walk"
             raise DesignError(f"mechanisms.{name}.foot", problem, "let both turn at the same speed", "conflict")
     if count < FEWEST_FEET:
-        problem, remedy = (
-            f"found {count} feet, which cannot stand",
-            f"give foot to at least {FEWEST_FEET} legs or copies",
-        )
-        raise DesignError(f"mechanisms.{first}.foot", problem, remedy, "conflict")
+        remedy = f"give foot to at least {FEWEST_FEET} legs or copies"
+        raise DesignError(f"mechanisms.{first}.foot", f"found {count} feet, which cannot stand", remedy, "conflict")
 
 
 @record(eq=False)
 class MachineWalking:
     """How a machine stands and walks over a turn of its legs.
 
-    graph: its shafts. mechanisms, recipes, poses: by name. turns: rotations of the
-    driver at the frames. speed_rpm: of the driver.
+    graph: its shafts. mechanisms, recipes, poses: by name. turns: rotations of the driver at the frames. speed_rpm: of
+    the driver.
     """
 
     graph: ShaftGraph
@@ -138,9 +134,7 @@ class MachineWalking:
     def _motor(self) -> Iterator[tuple[float, complex]]:
         """Mass and place of the mounted motor, at its shaft and at the outer face of the driver's lowest plate."""
         driver = self.graph.driver
-        stock, _, key = motor_key(self.recipes[driver]).partition(".")
-        motor = MOTORS.get(str(getattr(getattr(self.recipes[driver], stock), key))) if key else None
-        if motor is not None:
+        if motor := mounted_motor(self.recipes[driver]):
             own, face = next((own, face) for name, own, face in self._placed(self.turns[:1]) if name == driver)
             axis = complex(self.poses[driver].place(next(iter(self.graph.bodies[driver].values())).axis))
             across = face + own.height if self.mechanisms[driver].is_reversed else face

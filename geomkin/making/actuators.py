@@ -74,7 +74,9 @@ class ActuatorDuty:
         )
         if suitable := self.suitable:
             return f"{needed}: {suitable} suffices."
-        nearest = max(ACTUATORS, key=lambda name: (min(self.margin(ACTUATORS[name]), 1.5), ACTUATORS[name].stroke))
+        nearest = max(
+            ACTUATORS, key=lambda name: (min(self.margin(ACTUATORS[name]), LEAST_MOTOR_MARGIN), ACTUATORS[name].stroke)
+        )
         margin = to_digits(self.margin(ACTUATORS[nearest]), 3)
         own = f"{nearest}, which has {margin:g} times the force and a stroke of {mm(ACTUATORS[nearest].stroke):g}"
         return f"{needed}; none of the table suffices, and the nearest is {own}."

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from fractions import Fraction
 from math import cos, pi
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 
@@ -393,6 +394,11 @@ class AbstractBored:
 
     def __post_init__(self) -> None:
         self._check_bore()
+
+    def with_round_bore(self, diameter: float, **changes: Any) -> Self:
+        """The table for a round bore on another shaft, which no motor turns."""
+        plain = {"bore_form": "round", "flat": None, "keyway_width": 0.0, "keyway_depth": 0.0, "motor": None}
+        return replace(self, bore=diameter, **plain, **changes)  # type: ignore[arg-type]
 
     @property
     def motor_parts(self) -> tuple[Part, ...]:

@@ -200,11 +200,11 @@ TURN = np.linspace(0, 2 * np.pi, 3601)
 
 
 def mounted_motor_checks(mechanism: Any) -> Iterator[Check]:
-    """Whether the motor that a plate of a mechanism carries supplies the torque of its loads; a machine has its own."""
+    """Whether the motor on a plate supplies the torque of a mechanism's loads; a machine checks that of its driver."""
     motor, torque = MOTORS.get(str(mechanism.stock.motor)), mechanism.torque_at(TURN)
     if motor is not None and torque is not None and mechanism.setting.speed is None:
-        speed = np.full(TURN.shape, abs(mechanism.drive.speed))
-        yield motor_check(motor, MotorDuty(np.abs(torque), speed, TURN), key="stock.motor")
+        speed = np.full(TURN.shape, mechanism.drive.speed)
+        yield motor_check(motor, MotorDuty(torque, speed, TURN), key="stock.motor")
 
 
 def engagement_check(motor: str | MotorFace, engaged: float, below: float) -> Check:

@@ -60,9 +60,8 @@ class RatchetStock(AbstractBored):
 
     @property
     def of_pawl(self) -> RatchetStock:
-        """The stock with the bore of the pawl, which no motor drives."""
-        plain = {"bore_form": "round", "flat": None, "keyway_width": 0.0, "keyway_depth": 0.0, "bore_tolerance": ""}
-        return replace(self, motor=None, bore=self.pin, fit="running", **plain)  # type: ignore[arg-type]
+        """The stock with the bore of the pawl, which turns on its pin."""
+        return self.with_round_bore(self.pin, fit="running", bore_tolerance="")
 
 
 @record(eq=False)

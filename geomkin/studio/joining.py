@@ -90,7 +90,7 @@ def _without_empty(table: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _new_name(noun: str, taken: Any) -> str:
-    """A name for a mechanism: parts of two are told apart, so that neither starts with the other and `_`."""
+    """A free name without `_`, which joins it to the names of parts: `leg` and `leg_2` could both have `leg_2_rod`."""
     noun = noun.replace("_", "-")[:20]
     return next(name for k in count(1) if (name := noun if k == 1 else f"{noun}-{k}") not in taken)
 

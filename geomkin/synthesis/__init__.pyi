@@ -80,7 +80,7 @@ from .kinds.rockers import (
 from .path.nine_points import PathCount as PathCount
 from .path.path import nearest_linkages as nearest_linkages
 from .path.path import path_generator as path_generator
-from .path.search import PathFound as PathFound
+from .path.path_found import PathFound as PathFound
 from .path.svg_drawings import svg_path_points as svg_path_points
 from .rockers.crank_rockers import CrankRocker as CrankRocker
 from .rockers.crank_rockers import crank_rocker as crank_rocker

@@ -9,7 +9,7 @@ import pytest
 import geomkin as gk
 from geomkin.build import check_recipe
 from geomkin.synthesis.kinds import path_generator
-from geomkin.synthesis.path.search import PathFound
+from geomkin.synthesis.path.path_found import PathFound
 
 FIVE = """
 kind = "path-generator"

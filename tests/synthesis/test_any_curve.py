@@ -228,7 +228,7 @@ def test_ground_pivots_stay_in_their_boxes(small):
             assert abs(pivots.point(name).position[0].imag) <= 30 + 1e-9
 
 
-def test_links_that_no_growth_can_have_are_refused_or_kept(small):
+def test_links_far_shorter_than_the_path_are_refused(small):
     path = np.array([0, 20 + 3j, 40 + 2j, 60, 72 + 12j, 75 + 28j, 70 + 45j])
     with pytest.raises(gk.DesignError) as refused:
         gk.path_generator(path, closed=False, bars=6, bounds={"links": (1e-6, 1e-5)})

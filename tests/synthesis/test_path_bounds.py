@@ -8,7 +8,8 @@ import pytest
 import geomkin as gk
 from geomkin.synthesis.path import search
 from geomkin.synthesis.path.coupler_paths import FREE, LONGEST, SHORTEST, bounds_of
-from geomkin.synthesis.path.search import PathFound, crank_motion
+from geomkin.synthesis.path.crank_motion import crank_motion
+from geomkin.synthesis.path.path_found import PathFound
 from tests.synthesis.test_path_fits import CROSSING, at, task_of
 
 PLACES = {"coupler_point_x": 4, "coupler_point_y": 5, "origin_x": 6, "origin_y": 7}

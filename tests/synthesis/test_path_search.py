@@ -11,9 +11,9 @@ import geomkin as gk
 from geomkin.linkage.cognate_linkages import cognates
 from geomkin.synthesis.path import search
 from geomkin.synthesis.path.closed_lines import loop, short_tour
+from geomkin.synthesis.path.crank_motion import crank_motion
 from geomkin.synthesis.path.fits import Fit, PathTask
 from geomkin.synthesis.path.nine_points import PathCount
-from geomkin.synthesis.path.search import crank_motion
 from tests.synthesis.test_nine_points import KNOWN, POINTS, SEEN, SIZE, THREE
 
 SLIDER = gk.SliderCrank(30, 90, 12, 50 + 20j, origin=5 + 5j, ground_angle_deg=-20)

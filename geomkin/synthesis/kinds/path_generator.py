@@ -29,7 +29,7 @@ from ...plane.vec import Complex, Real
 from ...recipe.settings import Drive, Files
 from ..found import size_entries, ten_digits
 from ..path.path import MOST_POINTS, path_generator, usual_limits
-from ..path.search import PathFound
+from ..path.path_found import PathFound
 from ..path.svg_drawings import drawing_points, svg_path_points
 from .linkage_goals import CUT_SHORT, AbstractLinkageGoal, Search, choose_entry, recipe_of
 

@@ -21,7 +21,8 @@ from .coupler_paths import CHAIN_ONLY, bound_all_links, bounds_of
 from .curve_library import curve_library, target_curve
 from .dyad_chains import linkage_of
 from .fits import PathTask
-from .search import LONGEST, PathFound, PathSearch
+from .path_found import PathFound
+from .search import LONGEST, PathSearch
 
 # Largest number of points, and of those that a search uses: more take minutes.
 MOST_POINTS, MOST_USED = 200_000, 1_000
