@@ -166,9 +166,14 @@ def the_csv_file_has_every_number_of_the_table(own, folder):
         text = page.read_text("utf-8")
         shown = json.loads(re.search(r'<script type="application/json" id="scene">(.*?)</script>', text, re.DOTALL)[1])
         rows = sum(len(json.dumps(row, separators=(",", ":"))) for row in shown["series"])
-        # A number takes at most 5 bytes, and a small page has few bytes besides its numbers.
+        code = sum(
+            len(found[0])
+            for found in re.finditer(r"<(script|style)(?! type=.application/json).*?</\1>", text, re.DOTALL)
+        )
+        bodies = sum(len(scene["bodies"]) for scene in shown["scenes"])
+        # A number takes at most 5 bytes, every page has the same player, and a body few bytes besides both.
         assert rows <= 5 * len(shown["series"]) * max(100, shown["frames"])
-        assert len(text) - rows < 210_000
+        assert code < 135_000 and len(text) - rows - code < 60_000 + 600 * bodies
 
 
 def words_and_numbers(held):

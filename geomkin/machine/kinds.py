@@ -15,6 +15,7 @@ from ..core.fields import entry, quantity
 from ..core.names import check_names
 from ..core.records import record
 from ..core.units import marked, mm
+from ..linkage.kinds.loads import CarriedMass
 from ..model.check import Check
 from ..model.material import Mass
 from ..model.part import Part
@@ -328,7 +329,8 @@ class MachineRecipe(AbstractAssembledRecipe):
         if "walker" in tables:
             legs = from_table({"kind": "four-bar", **EXAMPLE_LEGS})
             leg = Mechanism(recipe=legs, turned_by="pair.second", foot="coupler_point")
-            return {"mechanisms": {"pair": Mechanism(recipe=pair), "legs": leg}}
+            carried = WalkerTable(carried=(CarriedMass(0.5),))
+            return {"mechanisms": {"pair": Mechanism(recipe=pair), "legs": leg}, "walker": carried}
         crank = from_table({"kind": "slider-crank", **EXAMPLE_CRANK})
         return {
             "mechanisms": {
@@ -429,8 +431,16 @@ EXAMPLE_CRANK: dict[str, object] = {
     "linkage": {"crank": 20, "coupler": 70},
     "stock": {"thickness": 4, "pin_diameter": 4},
 }
+# Six legs of which three always stand, and whose feet are level for a third of the turn: found by a random search.
 EXAMPLE_LEGS: dict[str, object] = {
-    "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70, "coupler_point": [40, -80]},
-    "copies": [{"mirrored": True}, {"phase_deg": 180}, {"phase_deg": 180, "mirrored": True}],
-    "stock": {"thickness": 4, "pin_diameter": 4},
+    "linkage": {
+        "ground": 58,
+        "crank": 20,
+        "coupler": 53,
+        "rocker": 44,
+        "coupler_point": [69, 67],
+        "ground_angle_deg": 150,
+    },
+    "copies": [{"mirrored": True}, *({"phase_deg": p, "mirrored": m} for p in (120, 240) for m in (False, True))],
+    "stock": {"thickness": 4, "pin_diameter": 4, "material": "birch-plywood"},
 }

@@ -29,8 +29,7 @@ OVER = {
     "motor-over-cam": ROLLER_CAM.replace("\nbore = 10\n", "\n" + DRIVEN.replace(", ", "\n") + "\n"),
     "motor-over-lantern": f'{LANTERN}stock = {{{DRIVEN}, fit = "press", mate_bore = 12, mate_bore_form = "keyed"}}\n[base]\n',
 }
-# Recipes of one mechanism with a drawing to cut, since those of a machine have equal letters and spacers on their own
-# parts; files in mm. A set of printed parts has no such drawing.
+# Recipes of one mechanism, since those of a machine have equal letters and spacers on their own parts; files in mm.
 TEXTS = {path.stem: path.read_text() for path in RECIPES.glob("*.toml")}
 SINGLE = [
     name
