@@ -153,8 +153,7 @@ class LoopPlates:
         rooms = [(wheel.centre, wheel.room + self.drive.profile.back) for wheel in self.drive.loop.wheels]
         low = complex(min(z.real - r for z, r in rooms), min(z.imag - r for z, r in rooms))
         high = complex(max(z.real + r for z, r in rooms), max(z.imag + r for z, r in rooms))
-        plate = standing_plate((low, high), openings, self.base, self.stock.thickness)
-        return replace(plate, material=self.stock.material)
+        return standing_plate((low, high), openings, self.base, self.stock.thickness, self.stock.material)
 
     @property
     def assembly(self) -> Assembly:

@@ -50,16 +50,15 @@ def cam_base(
     cut: Undercut,
     plates: Sequence[FollowerPlate],
     shafts: Mapping[str, float],
-    thickness: float,
+    stock: CamStock,
     base: BaseStock,
-    motor: MountedMotorKey | None = None,
     collar: float = 0.0,
 ) -> Part:
     """The base under a cam and its follower, in the ground's frame, with the cam's axis at the origin.
 
     plates: from `guided_plates`; their holes `pivot_bore` lie over the pivot, or over the slot in which the pins slide.
-    shafts: diameters of `bore` and `pivot_bore`, mm. motor: the motor that drives the cam; the base then has its holes.
-    collar: diameter of what is on the cam shaft in the layer of the bar, mm.
+    shafts: diameters of `bore` and `pivot_bore`, mm. stock: sheet, and the motor whose holes the base has. collar:
+    diameter of what is on the cam shaft in the layer of the bar, mm.
     Raises DesignError if there is no room. Derived here.
     """
     lifts = np.linspace(*_lift_limits(cam), POSITIONS)
@@ -67,7 +66,7 @@ def cam_base(
     origin, direction = np.asarray(pose.origin)[:, None], np.asarray(pose.direction)[:, None]
     pins = np.array([hole.centre for plate in plates for hole in plate.holes if hole.key == "pivot_bore"])
     pin_paths = origin + direction * pins
-    openings = _openings(cam, pin_paths, shafts, motor)
+    openings = _openings(cam, pin_paths, shafts, stock.motor)
     chords = CHORDS * cam.prime_radius
     bars = [origin + direction * flatten(p.outline, chords) for p in plates if p.name != "roller"]
     if cam.follower.knife_edge is not None and not any(plate.window for plate in plates):
@@ -77,7 +76,7 @@ def cam_base(
     cam_box = np.array([-radius - 1j * radius, radius + 1j * radius])
     points = np.concatenate([cam_box, *(z.ravel() for z in bars), *_roller_boxes(cam)])
     # The bars contain the boss of a pivot and the pins of a stem.
-    return standing_plate(box_of(points), openings, base, thickness)
+    return standing_plate(box_of(points), openings, base, stock.thickness, stock.material)
 
 
 def _openings(
@@ -258,7 +257,7 @@ def cam_parts(
         return [plate, *(follower_part(other, stock) for other in plates), *stock.motor_parts]
     parts = [replace(plate, hole_names=("A",)), *(follower_part(other, stock, LETTERS) for other in plates)]
     shafts = {"bore": stock.bore, "pivot_bore": stock.pivot_bore}
-    return [*parts, cam_base(cam, cut, plates, shafts, stock.thickness, base, stock.motor)]
+    return [*parts, cam_base(cam, cut, plates, shafts, stock, base)]
 
 
 def follower_part(plate: FollowerPlate, stock: CamStock, letters: Mapping[str, str] | None = None) -> Part:

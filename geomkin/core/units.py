@@ -202,7 +202,10 @@ class LengthUnit:
             if keeps_mm and factor != 1 and unit and numbers:
                 values = [float(number) / factor for number in numbers.split(NEXT)[1:]]
                 if any(abs(to_digits(value, DIGITS_WITHOUT_MM) - value) > 1e-9 * abs(value) for value in values):
-                    return f"{in_unit(1, spec)} {unit} ({in_unit(factor, '.3g')} {name})"
+                    # A least length is rounded up in both units.
+                    side = re.match("up|down", spec)
+                    rough = f"{side[0]}{DIGITS_WITHOUT_MM}" if side else ".3g"
+                    return f"{in_unit(1, spec)} {unit} ({in_unit(factor, rough)} {name})"
             return text
 
         return MARK.sub(written, marked(text))

@@ -124,7 +124,7 @@ class CycloidalPlates:
         )
         extent = max((drive.circle + drive.pin) / 2, self.output_radius) * (1 + 1j)
         openings = [axis, *ring] if stock.bore or stock.motor else ring
-        return standing_plate((-extent, extent), openings, self.base, stock.thickness)
+        return standing_plate((-extent, extent), openings, self.base, stock.thickness, stock.material)
 
     @property
     def assembly(self) -> Assembly:

@@ -26,6 +26,7 @@ from ..making.assembly import (
     standing_plate,
 )
 from ..making.bores import AbstractBored, bore, fits_of
+from ..making.materials import MaterialKey
 from ..making.motors import HEADS, MountedMotorKey
 from ..model.part import Part
 from ..plane.curve import AbstractCurve
@@ -52,6 +53,7 @@ def pair_base(
     stock: BaseStock = BaseStock(),
     keys: tuple[str, str] = ("first_stock.bore", "second_stock.bore"),
     motor: MountedMotorKey | None = None,
+    material: MaterialKey | None = None,
 ) -> Part:
     """The base plate of two wheels.
 
@@ -71,6 +73,8 @@ def pair_base(
         Keys of the diameters in the recipe, for messages.
     motor : str or MotorFace, optional
         Motor of the first shaft; the plate then has holes for it.
+    material : Material, optional
+        Material of the plate, for its mass.
 
     Returns
     -------
@@ -90,7 +94,7 @@ def pair_base(
     # If one wheel surrounds the other, the larger one determines the box.
     low, high = (f(side * r + z.real for z, r in zip(axes, reaches)) for f, side in ((min, -1), (max, 1)))
     tall = max(reaches)
-    return standing_plate((complex(low, -tall), complex(high, tall)), openings, stock, thickness)
+    return standing_plate((complex(low, -tall), complex(high, tall)), openings, stock, thickness, material)
 
 
 @checked
@@ -159,7 +163,7 @@ def rack_base(
     box = complex(-wide, -back), complex(wide, pinion.tip_radius)
     fits = 2 * fits_of(stock.guide_pin, stock.clearance)
     guided = replace(rack, holes=(*rack.holes, *pins), hole_names=("B", "B"), fits=fits)
-    return guided, standing_plate(box, openings, stock, rack.thickness)
+    return guided, standing_plate(box, openings, stock, rack.thickness, rack.material)
 
 
 @checked
@@ -217,7 +221,7 @@ def planetary_base(
     fits = (*(None for _ in ring.holes), *(RING_SCREWS * fits_of(stock.screw, stock.clearance)))
     drilled = replace(ring, holes=(*ring.holes, *holes), hole_names=("", *("B" for _ in holes)), fits=fits)
     corner = complex(outer, outer)
-    return drilled, standing_plate((-corner, corner), openings, stock, ring.thickness)
+    return drilled, standing_plate((-corner, corner), openings, stock, ring.thickness, ring.material)
 
 
 @checked

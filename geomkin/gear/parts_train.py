@@ -219,8 +219,7 @@ def _base(train: GearTrain, stocks: TrainStocks, gears: tuple[TrainGear, ...]) -
     corners = [complex(axes[item.axis]) + side * item.gear.tip_radius * (1 + 1j) for item in gears for side in (1, -1)]
     low = complex(min(z.real for z in corners), min(z.imag for z in corners))
     high = complex(max(z.real for z in corners), max(z.imag for z in corners))
-    plate = standing_plate((low, high), openings, stocks.base, stocks.thickness)
-    return replace(plate, material=stocks.stock.material)
+    return standing_plate((low, high), openings, stocks.base, stocks.thickness, stocks.stock.material)
 
 
 @record

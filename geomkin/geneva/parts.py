@@ -185,7 +185,7 @@ class GenevaPlates:
         extent, rim = max(wheel.crank_radius + self.arm_radius, wheel.lock_radius), wheel.outer_radius
         high, left = max(extent, rim), max(extent, rim - wheel.distance)
         box = complex(-left, -high), complex(max(wheel.distance + rim, extent), high)
-        return replace(standing_plate(box, openings, self.base, self.stock.thickness), material=self.stock.material)
+        return standing_plate(box, openings, self.base, self.stock.thickness, self.stock.material)
 
     @property
     def assembly(self) -> Assembly:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import combinations
 from math import ceil
 
@@ -13,6 +14,7 @@ from ..core.fields import FARTHEST, inside, quantity, to_digits
 from ..core.records import record
 from ..core.units import InText, mm
 from ..model.check import Check
+from ..model.material import Material
 from ..model.part import Bought, HoleFit, Part
 from ..model.scene import layer_name
 from ..plane.curve import AbstractCurve
@@ -116,7 +118,11 @@ class BaseOpening:
 
 
 def standing_plate(
-    box: tuple[complex, complex], openings: Sequence[BaseOpening], stock: BaseStock, thickness: float
+    box: tuple[complex, complex],
+    openings: Sequence[BaseOpening],
+    stock: BaseStock,
+    thickness: float,
+    material: Material | None,
 ) -> Part:
     """The base plate, a part of the body "ground", with openings, and a screw outside each corner of a box.
 
@@ -148,7 +154,8 @@ def standing_plate(
     marks = tuple(
         ring for opening in openings if opening.motor for ring in face_of(opening.motor).countersinks(opening.points[0])
     )
-    return Part("base", outline, holes, thickness, marks=marks, body="ground", hole_names=hole_names, fits=fits)
+    plate = Part("base", outline, holes, thickness, marks=marks, body="ground", hole_names=hole_names, fits=fits)
+    return replace(plate, material=material)
 
 
 def _motor_key(opening: BaseOpening) -> str:

@@ -122,7 +122,7 @@ class RatchetPlates:
         half, round_wheel = ratchet.pawl_width / 2 * (1 + 1j), ratchet.radius * (1 + 1j)
         points = np.concatenate([points - half, points + half, [-round_wheel, round_wheel]])
         low, high = complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
-        return replace(standing_plate((low, high), openings, self.base, stock.thickness), material=stock.material)
+        return standing_plate((low, high), openings, self.base, stock.thickness, stock.material)
 
     @property
     def assembly(self) -> Assembly:

@@ -1,6 +1,7 @@
 """Bores of a gear and the mate it shapes, each by its own name: read back from the drawings of their plates."""
 
 import dataclasses
+import tomllib
 
 import ezdxf
 import ezdxf.path
@@ -10,6 +11,7 @@ import shapely
 
 import geomkin as gk
 from tests.campaign import by_default
+from tests.texts import template_of
 
 STRAIGHT = """
 kind = "straight-sided-gears"
@@ -94,3 +96,19 @@ def test_invalid_bores_are_refused_by_the_name_of_their_own_key():
             with pytest.raises(gk.DesignError) as caught:
                 stock(**sizes)
             assert caught.value.field == field and remedy in caught.value.remedy
+
+
+@pytest.mark.parametrize(
+    "kind", ["gear-pair", "rack-and-pinion", "planetary", "disk-cam", "lantern-gears", "ratchet", "cycloidal-drive"]
+)
+def test_a_base_has_the_mass_of_its_sheet(kind):
+    table = tomllib.loads(template_of(kind))
+    stocks = {"gear-pair": ("first_stock", "second_stock"), "planetary": ("sun_stock", "planet_stock", "ring_stock")}
+    for key in stocks.get(kind, ("stock",)):
+        bore = {} if key == "ring_stock" else {"bore": 5}
+        table[key] = {**bore, **table.get(key, {}), "material": "birch-plywood"}
+    (base,) = (part for part in gk.load({"base": {}, **table}).parts if part.name == "base")
+    outline, *holes = (gk.flatten(curve, 1e-3) for curve in (base.outline, *base.holes))
+    plate = shapely.Polygon(np.column_stack([outline.real, outline.imag]))
+    area = plate.area - sum(shapely.Polygon(np.column_stack([hole.real, hole.imag])).area for hole in holes)
+    assert float(base.mass.mass) == pytest.approx(680e-9 * area * base.thickness, rel=1e-3)

@@ -221,7 +221,7 @@ class MadeConjugateCams(AbstractPositiveCam):
         shafts = {"bore": stock.bore, "pivot_bore": stock.pivot_bore}
         reach = max(self.first_radius, _largest_radius(self.second_outline) + 2 * self.roller.roller_radius)
         whole = replace(self.cut, outline=Circle(0j, reach))
-        return (*plates, cam_base(cam, whole, self.bars, shafts, stock.thickness, self.base, stock.motor, self.tube))
+        return (*plates, cam_base(cam, whole, self.bars, shafts, stock, self.base, self.tube))
 
     @cached_property
     def assembly(self) -> Assembly:

@@ -173,7 +173,7 @@ class MadeGrooveCam(AbstractPositiveCam):
         shafts = {"bore": stock.bore, "pivot_bore": stock.pivot_bore}
         whole = replace(self.cut, outline=edge)
         collar = collar_across(stock.bore) if stock.bore and not stock.motor else 0.0
-        base = cam_base(cam, whole, self.bars, shafts, stock.thickness, self.base, stock.motor, collar)
+        base = cam_base(cam, whole, self.bars, shafts, stock, self.base, collar)
         return (*plates, base)
 
     @cached_property

@@ -122,7 +122,7 @@ class AbstractShapedRecipe(AbstractAssembledRecipe):
             raise DesignError("base", "found a base for a ring, which has no shaft", "omit base", "conflict")
         reaches, shafts = (reach, mate.tip_radius), (stock.bore, stock.mate_bore)
         keys = ("stock.bore", "stock.mate_bore")
-        plate = pair_base(mate.distance, reaches, shafts, stock.thickness, self.base, keys, stock.motor)
+        plate = pair_base(mate.distance, reaches, shafts, stock.thickness, self.base, keys, stock.motor, stock.material)
         return *(dataclasses.replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB")), plate
 
     def check_points(self, gears: list[AbstractCurve]) -> None:

@@ -304,7 +304,10 @@ class GearPairRecipe(AbstractPairRecipe):
         pair, first, parts = self.design, self.first_stock, self.plates
         if self.base is not None:
             reaches, shafts = (pair.first.tip_radius, pair.second.tip_radius), (first.bore, self.second_stock.bore)
-            plate = pair_base(pair.centre_distance, reaches, shafts, first.thickness, self.base, motor=first.motor)
+            motor, material = first.motor, first.material
+            plate = pair_base(
+                pair.centre_distance, reaches, shafts, first.thickness, self.base, motor=motor, material=material
+            )
             gears = (replace(part, hole_names=(letter,)) for part, letter in zip(parts, "AB"))
             return *gears, plate, *pin_parts(self.assembly.snap_pins)
         holes = [self.first_stock.hole_diameter, self.second_stock.hole_diameter]
