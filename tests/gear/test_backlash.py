@@ -155,3 +155,18 @@ def test_advice_names_each_of_several_meshes():
     recipe = gk.load(template(recipe_class("planetary")))
     first, second = recipe.remarks
     assert first.startswith("Sun and planet") and second.startswith("Planet and ring")
+
+
+@pytest.mark.parametrize("allowance", [0.0, 0.08])
+def test_the_advised_shifts_leave_the_backlash_of_the_allowances(allowance):
+    table = {
+        "kind": "gear-pair",
+        "first": {"teeth": 20, "module": 2, "tooth_thickness_allowance": allowance},
+        "second": {"teeth": 40, "module": 2, "tooth_thickness_allowance": allowance},
+        "centre_distance": 60.5,
+    }
+    advice = gk.load(table).notes["pair"]["backlash_advice"]
+    table["first"]["profile_shift"] = float(advice.rpartition(" ")[2])
+    followed = gk.load(table)
+    assert "backlash_advice" not in followed.notes["pair"]
+    assert 0 <= followed.design.backlash - 2 * allowance < 0.01 + 0.02 * allowance

@@ -372,14 +372,16 @@ def backlash_remarks(notes: Mapping[str, object]) -> tuple[str, ...]:
 
 
 def _shift_advice(pair: GearPair, helix: Helix) -> Mapping[str, object]:
-    """The profile shifts that leave no backlash, if there is much; empty for helical teeth."""
-    if helix.slope or pair.backlash <= MUCH_BACKLASH * pair.module:
+    """The profile shifts that leave the backlash of the allowances alone, if there is more; empty for helical teeth."""
+    meant = pair.first.tooth_thickness_allowance + pair.second.tooth_thickness_allowance
+    if helix.slope or pair.backlash - meant <= MUCH_BACKLASH * pair.module:
         return {}
     relation = "ring's profile shift minus the pinion's" if pair.is_internal else "sum of both profile shifts"
     # Rounded so that the teeth do not jam: those of a ring come closer with less shift, those of other pairs with more.
     rounded = np.ceil if pair.is_internal else np.floor
     shift = rounded(1000 * pair.shift_without_backlash) / 1000
-    return {"backlash_advice": f"no backlash is left at this distance if the {relation} is {shift:g}"}
+    rest = " but that of the allowances" if meant else ""
+    return {"backlash_advice": f"no backlash{rest} is left at this distance if the {relation} is {shift:g}"}
 
 
 def pair_quantities(pair: GearPair) -> dict[str, str]:
