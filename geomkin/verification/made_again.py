@@ -28,6 +28,8 @@ CLOSE, NOISE, SINGLE, ZERO = 2e-9, 1e-10, 2.0**-22, 1e-12
 LAST, DIGITS = 1e-6, 4
 PICTURES = ("page", "assembly-svg", "assembly-dxf", "steps", "animation", "plots")
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+# What is compared in a text: its numbers, and colours and references, which are none though `#009e73` reads as one.
+VALUE = re.compile(rf"#[-+.\w]*|{NUMBER.pattern}")
 # The pieces of a file that are compared: tags and the text between them, pairs of a group code and its value, lines.
 TAGS, PAIRS, LINES = (re.compile(piece) for piece in (r"<[^>]*>?|[^<]+", r"[^\n]*\n[^\n]*\n?", r"[^\n]*\n|[^\n]+"))
 # Members of a package that are read.
@@ -196,15 +198,15 @@ def _alike(here: Sequence[str], there: Sequence[str], is_picture: bool) -> int:
 
 def _close(found: str, expected: str, is_picture: bool) -> bool:
     """Whether two texts are the same but for the last digits of numbers that are not whole."""
-    if NUMBER.split(found) != NUMBER.split(expected):
+    if VALUE.split(found) != VALUE.split(expected):
         return False
     return all(
-        a == b or _close_numbers(a, b, is_picture) for a, b in zip(NUMBER.findall(found), NUMBER.findall(expected))
+        a == b or _close_numbers(a, b, is_picture) for a, b in zip(VALUE.findall(found), VALUE.findall(expected))
     )
 
 
 def _close_numbers(found: str, expected: str, is_picture: bool) -> bool:
-    if not {".", "e", "E"} & {*found, *expected}:
+    if "#" in found + expected or not {".", "e", "E"} & {*found, *expected}:
         return False
     a, b = float(found), float(expected)
     unit = max(min(_last_decimal(found), _last_decimal(expected)), 1e-300)

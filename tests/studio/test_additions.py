@@ -38,8 +38,9 @@ def test_every_table_can_be_added(kind, key):
     text = template(recipe_class(kind))
     reply = answer(text, {}, {"add": key})
     assert not reply["problems"]
-    if key.removesuffix("[]") in reply["unavailable"]:
-        # The page does not offer it.
+    keys = key.removesuffix("[]").split(".")
+    if {".".join(keys[:k]) for k in range(1, len(keys) + 1)} & {*reply["unavailable"]}:
+        # The page does not offer it, nor a table inside it.
         assert reply["limit"]["reason"] and reply["text"] == text
         return
     assert reply["limit"] is None
@@ -47,6 +48,13 @@ def test_every_table_can_be_added(kind, key):
     before, after = (Draft(recipe, {}).values for recipe in (text, reply["text"]))
     new = {name for name in after if name not in before or before[name] in (None, {}, [])}
     assert any(name.startswith(key.removesuffix("[]")) for name in new)
+
+
+def test_what_a_machine_that_walks_carries_can_be_added():
+    text = template(recipe_class("machine"), ["walker"])
+    reply = answer(text, {}, {"add": "walker.carried[]"})
+    assert reply["limit"] is None and not reply["problems"] and not reply["unavailable"].count("walker")
+    assert len(gk.load(reply["text"]).walker.carried) == len(gk.load(text).walker.carried) + 1
 
 
 def test_an_added_table_of_a_recipe_in_inches_has_the_same_sizes():

@@ -200,6 +200,13 @@ def test_damage_is_found(disk, good, seed):
     assert not (disk / "summary.json").exists() or not gk.verify(disk)[0].passed, order
 
 
+@pytest.mark.parametrize("colour", ["#9e+73", "#09e073", "#09e72", "#009e74"])
+def test_a_colour_that_reads_as_a_number_is_none(colour):
+    content = b'<path d="M1.25,2" stroke="#009e73"/>'
+    other = content.replace(b"#009e73", colour.encode())
+    assert all(made_again.difference(other, content, kind).problems for kind in ("svg", "assembly-svg"))
+
+
 def test_another_recipe_of_the_same_name_is_recognised(copy, tmp_path_factory):
     other = tmp_path_factory.mktemp("other")
     gk.make(gk.load(RECIPE.replace("rocker = 70", "rocker = 70.001")).with_name("bars"), other, ["svg"])

@@ -207,7 +207,10 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
     @property
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
         """Range of the driver and links that turn fully; masses and the stack of plates."""
-        found = {name: [to_digits(end, 10) for end in ends] for name, ends in self.made.swings.items()}
+        found = {
+            name: {"from": to_digits(least, 10), "to": to_digits(most, 10), "swing": to_digits(most - least, 10)}
+            for name, (least, most) in self.made.swings.items()
+        }
         swung = {"swings_deg": found} if found else {}
         before = {**self.made.reaches(self.made.branch), **swung, **self.turning, **_gear_notes(self.made)}
         return before, {**mass_summary(self), "stack": self.made.stack_summary}
