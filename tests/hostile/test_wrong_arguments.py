@@ -217,7 +217,7 @@ GOOD = {
     "nearest_linkages": {"points": POINTS, "bars": 4, "count": 2},
     "newton_raphson": {"f": lambda x: 3 * x - 6, "jacobian": lambda x: np.diag(np.full(len(x), 3.0)), "estimate": 1.0, "tolerance": 1e-12, "steps": 20},
     "over_pins": {"gear": GEAR, "pin": 3.5},
-    "path_generator": {"points": POINTS, "drive_deg": (0.0, 20.0, 40.0, 60.0, 80.0, 100.0), "closed": False, "least_transmission_angle_deg": 20.0, "largest_ratio": 10.0, "bounds": {"crank": (1.0, 50.0)}, "seed": 0, "time_limit": 10.0, "slides": False, "bars": 4, "geared": False, "effort": 1},
+    "path_generator": {"points": POINTS, "drive_deg": (0.0, 20.0, 40.0, 60.0, 80.0, 100.0), "closed": False, "least_transmission_angle_deg": 20.0, "largest_ratio": 10.0, "bounds": {"crank": (1.0, 50.0)}, "seed": 0, "time_limit": 10.0, "slides": False, "bars": 4, "geared": False, "effort": 1, "weights": (1.0, 1.0, 5.0, 5.0, 1.0, 1.0)},
     "path_curvature": {"motion": MOTION, "body": "coupler", "local": 40 + 25j},
     "poles": {"poses": FOUR},
     "polar_radius": {"outline": CIRCLE, "angle": DRIVE},

@@ -1,6 +1,7 @@
 """The recipe that finds a linkage for a path: what it reads, makes and refuses."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -134,3 +135,58 @@ def test_usable_linkage_has_the_rank_after_the_others(monkeypatch):
     monkeypatch.setattr(path_generator, "path_generator", lambda *_: replace(usable, ranked=(usable,)))
     good = gk.load(FIVE)
     assert good.notes["usable"]["choose"] == 1 and good.further == ()
+
+
+WEIGHTED = """
+kind = "path-generator"
+[wanted]
+svg = "M -40 0 L 40 0 C 40 -30 -40 -30 -40 0 Z"
+count = 20
+closed = true
+[[wanted.weights]]
+first = 19
+last = 2
+weight = 8
+[[wanted.weights]]
+first = 2
+last = 4
+weight = 0.5
+"""
+
+
+def test_stretches_with_weights_are_numbered_from_one_and_pass_the_end_of_a_closed_path():
+    weights = gk.load(WEIGHTED).wanted.weights_of_points
+    assert weights.tolist() == [8, 0.5, 0.5, 0.5, *[1] * 14, 8, 8]
+    assert gk.load(FIVE).wanted.weights_of_points is None
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("last = 2\n", "last = 21\n", "wanted.weights[0].last"),
+        ("first = 2\n", "first = 30\n", "wanted.weights[1].first"),
+        ("closed = true", "closed = false", "wanted.weights[0].last"),
+        ("weight = 8", "weight = 0", "wanted.weights[0].weight"),
+        ("first = 19", "first = 0", "wanted.weights[0].first"),
+    ],
+)
+def test_stretches_that_the_path_has_not_are_refused_by_key(old, new, key):
+    with pytest.raises(gk.RecipeError, match=re.escape(key)):
+        check_recipe(gk.load(WEIGHTED.replace(old, new)))
+
+
+@pytest.mark.campaign
+def test_weights_of_a_recipe_reach_the_search_and_its_summary(tmp_path):
+    """Distances of the found recipe by position analysis, from the points of the recipe."""
+    recipe = gk.load(WEIGHTED).with_name("w")
+    gk.make(recipe, tmp_path)
+    data = json.loads((tmp_path / "w" / "summary.json").read_text())["found"]
+    found = gk.load(tmp_path / "w" / "w.found.toml")
+    path = gk.move(found.linkage, np.linspace(0, 2 * np.pi, 8001), found.branch).point("coupler_point").position
+    off = np.abs(path - recipe.wanted.places[:, None]).min(axis=1)
+    weights = recipe.wanted.weights_of_points
+    assert data["square_error_mm2"] == pytest.approx(np.sum(off**2), rel=1e-2)
+    assert data["weighted_largest_distance_mm"] >= (off * np.sqrt(weights / 8)).max() - 1e-3
+    assert data["weighted_largest_distance_mm"] < data["largest_distance_mm"]
+    larger = gk.load(WEIGHTED.replace("[wanted]", "scale = 2\n[wanted]", 1))
+    assert larger.found.weighted_largest_distance == pytest.approx(2 * data["weighted_largest_distance_mm"], rel=1e-2)

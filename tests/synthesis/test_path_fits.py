@@ -139,3 +139,92 @@ def test_nearest_points_of_closed_paths_agree_with_brute_force():
         t = nearest_angles(few, x[None], rng.uniform(0, 2 * np.pi, (1, 60)), np.ones(1))[0]
         misses += list((np.abs(at(x, t) - wanted) - np.abs(path - wanted[:, None]).min(axis=1)) / size)
     assert max(misses) < 0.02 and np.mean(np.array(misses) < 1e-4) > 0.997
+
+
+WEIGHED = np.array([0, 10 + 8j, 22 + 15j, 33 + 14j, 44 + 6j, 50 - 6j, 44 - 16j, 30 - 18j, 14 - 16j, 3 - 9j])
+HEAVY = np.where(np.arange(10) < 5, 100.0, 1.0)
+
+
+def away(linkage, result, timed):
+    """Distances of the points from the path near the given angles, or from the places at these angles."""
+    drive = result.drive[:, None] + (np.zeros(1) if timed else np.linspace(-0.02, 0.02, 4001))
+    path = gk.move(linkage, drive.ravel(), result.branch).point("coupler_point").position
+    return np.nanmin(np.abs(path.reshape(drive.shape) - result.points[:, None]), axis=1)
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize(
+    "given", [{}, {"drive_deg": 25.0 * np.arange(10)}, {"slides": True}], ids=["open", "timed", "slider"]
+)
+def test_points_with_weights_have_the_least_weighted_squares(given):
+    """Against results without weights and sizes that are slightly changed, by position analysis alone."""
+    timed = "drive_deg" in given
+    plain, found = (gk.path_generator(WEIGHED, weights=of, largest_ratio=20, **given) for of in (None, HEAVY))
+
+    def weighted(linkage, result):
+        return float(np.average(away(linkage, result, timed) ** 2, weights=HEAVY))
+
+    off, least = away(found.linkage, found, timed), weighted(found.linkage, found)
+    assert found.square_error == pytest.approx(np.sum(off**2), rel=1e-3)
+    assert found.weighted_rms_distance**2 == pytest.approx(least, rel=1e-3)
+    assert found.weighted_largest_distance == pytest.approx((off * np.sqrt(HEAVY / 100)).max(), rel=1e-3)
+    assert least < weighted(plain.linkage, plain) and plain.weighted_rms_distance is None
+    for name in () if found.at_limits else ("crank", "coupler"):
+        for factor in (0.999, 1.001):
+            other = dataclasses.replace(found.linkage, **{name: getattr(found.linkage, name) * factor})
+            assert weighted(other, found) > least
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("bars", [4, 6])
+def test_a_heavy_part_of_a_closed_path_is_met_more_exactly_both_ways(bars):
+    """Distances by brute force; a curve with a straight side of 40 points."""
+    arc = 40 * np.exp(1j * np.linspace(0, np.pi, 40))[1:-1]
+    points = np.concatenate([np.linspace(-40, 40, 40), arc.real + 0.6j * arc.imag])
+    heavy = np.where(np.arange(len(points)) < 40, 50.0, 1.0)
+    worst = []
+    for weights in (None, heavy):
+        found = gk.path_generator(points, closed=True, bars=bars, weights=weights)
+        path = gk.move(found.linkage, np.linspace(0, 2 * np.pi, 8001), found.branch).point("coupler_point").position
+        off = np.abs(path[:, None] - points).min(axis=0)
+        back = path[(path.imag < 5) & (np.abs(path.real) < 30)]
+        worst.append(max(off[:40].max(), np.abs(back.imag).max()))
+        if weights is not None:
+            least = max((off * np.sqrt(heavy / 50)).max(), worst[-1])
+            assert found.weighted_largest_distance == pytest.approx(least, rel=0.05)
+            assert found.largest_distance == pytest.approx(off.max(), rel=0.05)
+            assert found.weighted_rms_distance < found.rms_distance
+    assert worst[1] < 0.7 * worst[0]
+
+
+def test_fits_with_weights_have_the_least_weighted_squares():
+    """From near the linkage of most points: a changed point counts little if the others are heavy."""
+    known = gk.FourBar(100, 30, 90, 70, 60 + 45j)
+    drive = np.linspace(0.3, 2.5, 12)
+    points = gk.move(known, drive).point("coupler_point").position
+    middle, size = points.mean(), np.sqrt(np.mean(np.abs(points - points.mean()) ** 2))
+    wanted = (points - middle) / size + np.where(np.arange(12) == 6, 0.05, 0)
+    x = np.array([[100, 30, 90, 70, 60, 45, -middle.real, -middle.imag, 0, 0]]) / size
+    missed = []
+    for heavy in (1.0, 100.0):
+        weights = np.where(np.arange(12) == 6, 1.0, heavy)
+        task = PathTask(wanted, None, False, False, np.radians(0.1), np.inf, *WIDE, weights)
+        fitted, t, branch = refined_starts(task, x, drive[None], np.ones(1), Watch(60, ""))
+        off = np.abs(points_of(fitted, t, branch, False)[0] - wanted)
+        missed.append(np.delete(off, 6).max())
+        least = np.sum(weights * off**2)
+        for k in (0, 1, 2, 5):
+            for step in (1e-4, -1e-4):
+                other = fitted + step * (np.arange(10) == k)
+                moved = nearest_from(task, other, t, branch)
+                assert np.sum(weights * np.abs(points_of(other, moved, branch, False)[0] - wanted) ** 2) > least
+    assert missed[1] < 0.2 * missed[0]
+
+
+@pytest.mark.parametrize(
+    "weights", [[1.0, 2.0], [0.0] * 10, [1e9] * 10, [np.nan] * 10], ids=["few", "zero", "large", "nan"]
+)
+def test_weights_out_of_range_are_refused(weights):
+    with pytest.raises(gk.DesignError) as refused:
+        gk.path_generator(WEIGHED, weights=weights)
+    assert refused.value.field == "weights"

@@ -28,7 +28,7 @@ from ...plane.primitives import Segment
 from ...plane.vec import Complex, Real
 from ...recipe.settings import Drive, Files
 from ..found import size_entries, ten_digits
-from ..path.path import MOST_POINTS, path_generator, usual_limits
+from ..path.path import MOST_POINTS, WEIGHTS, path_generator, usual_limits
 from ..path.path_found import PathFound
 from ..path.svg_drawings import drawing_points, svg_path_points
 from .linkage_goals import CUT_SHORT, AbstractLinkageGoal, Search, choose_entry, recipe_of
@@ -145,6 +145,19 @@ Pair = tuple[float, float]
 
 
 @record(checked=True, kw_only=True)
+class WeightedStretch:
+    """Points of a wanted path whose distances count more or less than those of the others."""
+
+    first: int = quantity("number of its first point, the first of all being 1", at_least=1, whole=True, example=1)
+    last: int = quantity(
+        "number of its last point; on a closed path it may be less than first", at_least=1, whole=True, example=4
+    )
+    weight: float = quantity(
+        "weight of the squared distances; other points have 1", at_least=WEIGHTS[0], at_most=WEIGHTS[1], example=10
+    )
+
+
+@record(checked=True, kw_only=True)
 class WantedPath:
     """The points, given by one of points, file and svg, with the conditions of the path."""
 
@@ -175,6 +188,10 @@ class WantedPath:
         default=4,
     )
     geared: bool = entry("whether five- and seven-bars with two geared cranks are searched for too", default=False)
+    weights: tuple[WeightedStretch, ...] = entry(
+        "stretches that matter more or less, each with first, last and weight; of two that overlap the later counts",
+        default=(),
+    )
     slides: bool = entry("true for a slider-crank, false for a four-bar", default=False)
     drive_deg: tuple[float, ...] | None = entry(
         "crank angles at the points, rising or falling; only differences count; free if left out",
@@ -210,6 +227,28 @@ class WantedPath:
         return replace(
             self, points=tuple(point_of(z.real, z.imag) for z in (scale * self.places).tolist()), file=None, svg=None
         )
+
+    @property
+    def weights_of_points(self) -> Real | None:
+        """The weights (n,) of the points; None if all are alike."""
+        if not self.weights:
+            return None
+        count = len(self.places)
+        number, weights = np.arange(1, count + 1), np.ones(count)
+        for k, stretch in enumerate(self.weights):
+            first, last = stretch.first, stretch.last
+            for name in ("first", "last"):
+                if getattr(stretch, name) > count:
+                    key, problem = f"weights[{k}].{name}", f"found {getattr(stretch, name):,}"
+                    raise DesignError(
+                        key, f"{problem}, and the path has {count:,} points", "give its number", "conflict"
+                    )
+            if first > last and not self.closed:
+                problem, remedy = f"found {last:,}, and first is {first:,}", "give the lower number first"
+                raise DesignError(f"weights[{k}].last", problem, f"{remedy}, or closed = true", "conflict")
+            after, before = number >= first, number <= last
+            weights[after & before if first <= last else after | before] = stretch.weight
+        return weights
 
     @property
     def turns_deg(self) -> Real | None:
@@ -336,6 +375,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
                 wanted.bars,
                 wanted.geared,
                 self.search.effort,
+                wanted.weights_of_points,
             )
         except DesignError as error:
             raise self._of_recipe(error) from None
@@ -350,7 +390,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         given = {name for name in ("points", "file", "svg", "step_deg") if getattr(wanted, name) is not None}
         if field == "drive_deg" and "step_deg" in given:
             return error.named("wanted.step_deg")
-        if hasattr(wanted, field):
+        if hasattr(wanted, field.partition("[")[0]):
             return error.named(f"wanted.{field}")
         # A size of a linkage that was found.
         key = f"wanted.{(given - {'step_deg'}).pop()}"
@@ -395,10 +435,13 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         return (
             Check(
                 "point_distance",
-                "largest distance of the paths, both ways"
-                if found.closed
-                else "largest distance of a point from the path",
-                found.largest_distance,
+                (
+                    "largest distance of the paths, both ways"
+                    if found.closed
+                    else "largest distance of a point from the path"
+                )
+                + (", weighted" if found.weights is not None else ""),
+                found.deviation,
                 "at most",
                 NEAR * width,
                 "mm",

@@ -251,8 +251,8 @@ def linearised(task: CurveTask, state: State, along: float, limits: float, level
         direction = np.concatenate([tangent[:, :half], by_crank[:, half:] / speed[:, half:]], axis=1)
         weight = speed[:, :half] / (2 * speed[:, :half].sum(axis=1, keepdims=True))
     weight = np.concatenate([weight, np.full((len(weight), half), 1 / samples)], axis=1)
-    root = np.sqrt(weight * task.target.weight_at(state.places))
-    turned = np.conj(direction)
+    root, heavy = np.sqrt(weight), np.sqrt(task.target.weight_at(state.places))
+    turned = heavy * np.conj(direction)
     off, by = off * turned, moved.by[:, 1:] * turned[:, None]
     across, across_by = off.imag, by.imag
     if level is not None:
@@ -311,7 +311,7 @@ def refined(
     if power > 2:
         place, tangent = task.target.at(state.places)
         point = traced(state.chains, state.cranks, derivatives=False).point
-        across = np.abs(cross(tangent, point - place)) * (task.target.weight_at(state.places) > 0)
+        across = np.abs(cross(tangent, point - place)) * np.sqrt(task.target.weight_at(state.places))
         level = Level(power, across.max(axis=1, keepdims=True) + 1e-9)
     now = linearised(task, state, along, limits, level)
     chains, cranks, places = state.chains, state.cranks, state.places

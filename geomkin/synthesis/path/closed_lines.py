@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ...core.records import record
@@ -48,6 +50,13 @@ def smooth_line(ahead: Complex) -> Complex:
     return np.append(line, line[0])
 
 
+def along_line(values: Real) -> Real:
+    """Values (k,) along a smooth line from those at its points (n,)."""
+    places = np.arange(PARTS * len(values) + 1) / PARTS
+    along: Real = np.interp(places, np.arange(len(values) + 1), np.append(values, values[0]))
+    return along
+
+
 def play(line: Complex) -> Real:
     """How far a curve through the same points may be from the line (k,) at each of its points, mm.
 
@@ -62,11 +71,16 @@ def play(line: Complex) -> Real:
     return np.append(missed, missed[0])
 
 
-def distances(points: Complex, line: Complex, allowed: Real | None = None) -> Real:
-    """Distances of points (n,) from a line (k,), less what is `allowed` (k,) at its nearest point, at least 0."""
+def distances(points: Complex, line: Complex) -> Real:
+    """Distances of points (n,) from a line (k,)."""
+    return nearest_on(points, line)[0]
+
+
+def nearest_on(points: Complex, line: Complex) -> tuple[Real, Whole]:
+    """Distances of points (n,) from a line (k,), and the nearest points of the line."""
     start, step = line[:-1], np.diff(line)
     square = np.maximum(np.abs(step) ** 2, 1e-300)
-    result = np.zeros(len(points))
+    result, nearest_of_all = np.zeros(len(points)), np.zeros(len(points), dtype=int)
     for k in range(0, len(points), AT_ONCE):
         some = points[k : k + AT_ONCE, None]
         nearest = np.argmin(np.abs(some - start), axis=1)
@@ -74,9 +88,8 @@ def distances(points: Complex, line: Complex, allowed: Real | None = None) -> Re
         for at in (nearest - 1, nearest):
             along = np.clip(dot(step[at], some[:, 0] - start[at]) / square[at], 0, 1)
             found.append(np.abs(some[:, 0] - start[at] - along * step[at]))
-        less = 0.0 if allowed is None else allowed[nearest]
-        result[k : k + AT_ONCE] = np.maximum(np.minimum(*found) - less, 0)
-    return result
+        result[k : k + AT_ONCE], nearest_of_all[k : k + AT_ONCE] = np.minimum(*found), nearest
+    return result, nearest_of_all
 
 
 def crossings(line: Complex) -> int:
@@ -94,27 +107,45 @@ def crossings(line: Complex) -> int:
 
 @record(eq=False)
 class WantedLine:
-    """The closed line through wanted points, mm, and how far a curve through the points may be from it."""
+    """The closed line (k,) through wanted points, mm, how far curves through the points may be away, and weights."""
 
     points: Complex
     line: Complex
     allowed: Real
+    weights: Real
 
     @classmethod
-    def through(cls, points: Complex) -> WantedLine:
-        """The line through points."""
-        line = loop(points)
-        return cls(points, line, play(line))
+    def through(cls, points: Complex, weights: Real | None = None) -> WantedLine:
+        """The line through points (n,), with their weights."""
+        order = short_tour(points)
+        line, weights = smooth_line(points[order]), np.ones(len(points)) if weights is None else weights
+        return cls(points, line, play(line), along_line(weights[order]))
 
-    def both_ways(self, path: Complex, forward: Real | None = None) -> tuple[Real, float, float]:
-        """Distances (n,) of the points from a closed path (k,), mm, and the largest and the rms distance both ways.
-
-        `forward` are those distances if they are known better than from the path's chords.
-        """
-        forward = distances(self.points, path) if forward is None else forward
-        back = distances(evenly(path[None], MEASURED)[0][0], self.line, self.allowed)
+    def both_ways(self, path: Complex) -> tuple[Real, float, float]:
+        """Distances (n,) of the points from a closed path (k,), mm, and the largest and the rms distance both ways."""
+        forward = distances(self.points, path)
+        back = self.from_path(path)[0]
         rms = float(np.sqrt((np.mean(forward**2) + np.mean(back**2)) / 2))
         return forward, float(max(forward.max(), back.max())), rms
+
+    def from_path(self, path: Complex) -> tuple[Real, Real]:
+        """Distances of a closed path (k,) from the line, mm, as far as the points determine it, and their weights."""
+        away, nearest = nearest_on(evenly(path[None], MEASURED)[0][0], self.line)
+        return np.maximum(away - self.allowed[nearest], 0), self.weights[nearest]
+
+
+def path_errors(off: Real, weights: Real | None, line: WantedLine | None, path: Complex) -> dict[str, Any]:
+    """The distances in a result, mm: those of the points (n,), and of a closed path (k,) also those from the line."""
+    sides = [(off, np.ones(len(off)) if weights is None else weights)] + ([line.from_path(path)] if line else [])
+    errors: dict[str, Any] = {"square_error": float(np.sum(off**2))}
+    for name in ("", "weighted_"):
+        if name and weights is None:
+            return errors
+        parts = [(away, of if name else np.ones(len(of))) for away, of in sides]
+        most = max(of.max() for _, of in parts)
+        errors[f"{name}largest_distance"] = float(max((away * np.sqrt(of / most)).max() for away, of in parts))
+        errors[f"{name}rms_distance"] = float(np.sqrt(np.mean([np.average(away**2, weights=of) for away, of in parts])))
+    return errors
 
 
 def evenly(path: Complex, count: int, ends: bool = False) -> tuple[Complex, Real]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Protocol
 
@@ -247,7 +248,7 @@ class PathTask:
 
     `turns`: (n,) crank angles at the points from the first on, rad, or None if free. `closed`: the crank turns fully.
     `slides`: a slider-crank. `least_transmission`: rad, above 0. `largest_ratio`: inf for any. `low`, `high`: (10,)
-    bounds in the order of `coupler_paths.NAMES`.
+    bounds in the order of `coupler_paths.NAMES`. `weights`: (n,) of the squared distances, None if equal.
     """
 
     wanted: Complex
@@ -258,6 +259,12 @@ class PathTask:
     largest_ratio: float
     low: Real
     high: Real
+    weights: Real | None = None
+
+    @cached_property
+    def root(self) -> Real:
+        """Factors (n,) of the distances."""
+        return np.ones(len(self.wanted)) if self.weights is None else np.sqrt(self.weights / self.weights.mean())
 
     @property
     def links(self) -> tuple[int, ...]:
@@ -274,7 +281,8 @@ class PathTask:
         if len(self.wanted) <= most:
             return self
         chosen = np.unique(np.linspace(0, len(self.wanted) - 1, most).round().astype(int))
-        return replace(self, wanted=self.wanted[chosen], turns=None if self.turns is None else self.turns[chosen])
+        turns, weights = (None if row is None else row[chosen] for row in (self.turns, self.weights))
+        return replace(self, wanted=self.wanted[chosen], turns=turns, weights=weights)
 
     def cranks(self, x: Real, t: Real) -> Real:
         """Crank angles (s, n) at the points."""
@@ -336,16 +344,17 @@ class Fit:
         x = _whole(x)
         cranks = task.cranks(x, t)
         moved = paths(x, cranks, self.branch[which], task.slides)
-        off = moved.point - task.wanted
+        off, by_size_of_point = task.root * (moved.point - task.wanted), task.root[:, None] * moved.by_size
+        by_crank_of_point = task.root * moved.by_crank
         with np.errstate(divide="ignore", invalid="ignore"):
             points, by_size, by_crank, ends, ends_by_size, links, links_by_size = self.limits(which, x, cranks)
         here = points > 0
         blocks = np.stack([off.real, off.imag, self.weight * np.where(here, points, 0.0)], axis=-1)
         blocks[~np.isfinite(moved.point)] = np.nan
         by_shared = np.zeros((*off.shape, 3, shared))
-        by_shared[:, :, 0, :9], by_shared[:, :, 1, :9] = moved.by_size.real, moved.by_size.imag
+        by_shared[:, :, 0, :9], by_shared[:, :, 1, :9] = by_size_of_point.real, by_size_of_point.imag
         by_shared[:, :, 2, :9] = self.weight * by_size * here[..., None]
-        local = np.stack([moved.by_crank.real, moved.by_crank.imag, self.weight * by_crank * here], axis=-1)
+        local = np.stack([by_crank_of_point.real, by_crank_of_point.imag, self.weight * by_crank * here], axis=-1)
         if not task.free:
             by_shared[..., START] = local
         reached, long = ends > 0, links > 0
@@ -391,8 +400,8 @@ def _whole(x: Real) -> Real:
 
 
 def squares(task: PathTask, x: Real, t: Real, branch: Real) -> Real:
-    """Sums of squared distances (s,); infinite if a linkage does not close."""
-    off = np.abs(points_of(x, task.cranks(x, t), branch, task.slides) - task.wanted) ** 2
+    """Weighted sums of squared distances (s,); infinite if a linkage does not close."""
+    off = np.abs(task.root * (points_of(x, task.cranks(x, t), branch, task.slides) - task.wanted)) ** 2
     total = off.sum(axis=1)
     return np.where(np.isfinite(total), total, np.inf)
 

@@ -34,6 +34,8 @@ CURVE_BOUNDS = ("origin_x", "origin_y", *CHAIN_ONLY)
 # many paths have no best linkage. The second line applies if all lengths are bounded.
 TOGGLE_DEG, LONGEST_RATIO = 5.0, 100.0
 STUCK_DEG, ANY_RATIO = 0.1, 1e6
+# Least and greatest weight of a point.
+WEIGHTS = (1e-3, 1e3)
 
 
 def _is_row(value: Any, kinds: str) -> bool:
@@ -44,6 +46,9 @@ def _is_row(value: Any, kinds: str) -> bool:
 
 Angles = Annotated[
     ArrayLike, ArgumentType(lambda value: _is_row(value, "iuf"), "a row of angles in deg, one for each point")
+]
+Weights = Annotated[
+    ArrayLike, ArgumentType(lambda value: _is_row(value, "iuf"), "a row of weights, one for each point")
 ]
 Bounds = Annotated[
     Mapping[str, tuple[float, float]],
@@ -84,6 +89,7 @@ def path_generator(
     bars: Literal[4, 5, 6, 7, 8] = 4,
     geared: bool = False,
     effort: Annotated[int, whole_between(1, 100)] = 1,
+    weights: Weights | None = None,
 ) -> PathFound:
     """Find the linkage whose traced point passes through given points or follows a closed curve.
 
@@ -124,6 +130,10 @@ def path_generator(
     effort : int
         Work of the search for closed curves, and for open ones with more than four bars, 1 to 100: with 3 it takes
         three times as long and comes nearer.
+    weights : array_like, shape (n,), optional
+        Weights of the squared distances of the points, 0.001 to 1000, for parts of the path that matter more or less;
+        of a closed path also of the distances of the curve from there. The result then has weighted distances as well,
+        by which linkages are ranked. Nine points that linkages meet exactly need none.
 
     Returns
     -------
@@ -175,7 +185,7 @@ def path_generator(
     is_curve, chain_bounds = closed and drive_deg is None and not slides, None
     if bars > 4 or (bounds and is_curve and set(bounds) <= {*CURVE_BOUNDS}):
         chain_bounds, bounds = _chain_bounds(bounds or {}), None
-    targets, crank_angles = _used(wanted, drive_deg, closed)
+    targets, crank_angles, weights_used = _used(wanted, drive_deg, closed, weights)
     centre = complex(targets.mean())
     size = float(np.sqrt(np.mean(np.abs(targets - centre) ** 2)))
     if not size > max(SMALLEST, 1e-12 * abs(centre)):
@@ -197,6 +207,7 @@ def path_generator(
             largest_ratio=usual[1] if largest_ratio is None else largest_ratio,
             low=low,
             high=high,
+            weights=weights_used,
         ),
         bounded=frozenset(bounds or ()),
         all_nine=bounds is None and least is None and largest_ratio is None,
@@ -209,12 +220,8 @@ def path_generator(
         given=len(wanted) if len(wanted) > len(targets) else 0,
     )
     ranked, watch = path_search.ranked(0)
-    if not ranked and watch.cut:
-        raise watch.too_short()
     if not ranked:
-        field = "bounds" if bounds or (chain_bounds and chain_bounds != ChainBounds()) else "points"
-        problem = "no linkage was found that moves within the limits"
-        raise DesignError(field, problem, "give wider limits or bounds, or another seed")
+        raise watch.too_short() if watch.cut else path_search.nothing_found()
     return replace(ranked[0], ranked=ranked, again=path_search.usable if bars == 4 else None)
 
 
@@ -280,19 +287,23 @@ def _check_search(bars: int, geared: bool, effort: int, is_curve: bool, wrong: M
         raise DesignError("effort", f"found {effort} for an open path of a four-bar", remedy, "conflict")
 
 
-def _used(points: Complex, drive_deg: Angles | None, closed: bool) -> tuple[Complex, Real | None]:
-    """The points that are used, no two in a row equal on closed curves, and their crank angles, rad."""
+def _used(
+    points: Complex, drive_deg: Angles | None, closed: bool, weights: Weights | None
+) -> tuple[Complex, Real | None, Real | None]:
+    """The points that are used, no two in a row equal on closed curves, their crank angles, rad, and weights."""
     if not 3 <= len(points) <= MOST_POINTS:
         raise DesignError("points", f"found {len(points):,}", f"give from 3 to {MOST_POINTS:,} points", "out-of-range")
     turns = None if drive_deg is None else _turns(np.asarray(drive_deg, dtype=float), len(points))
+    heavy = None if weights is None else _weights(np.asarray(weights, dtype=float), len(points))
     if len(points) > MOST_USED:
         used = np.linspace(0, len(points) - 1, MOST_USED).round().astype(int)
-        points, turns = points[used], None if turns is None else turns[used]
+        points, turns, heavy = points[used], *(None if row is None else row[used] for row in (turns, heavy))
     if closed and turns is None:
         # A point that is given twice in a row would make a corner of the line through the points.
         apart = np.abs(points - np.roll(points, 1)) > 1e-9 * np.ptp(np.concatenate([points.real, points.imag]))
-        points = points[apart] if apart.sum() >= 3 else points
-    return points, turns
+        if apart.sum() >= 3:
+            points, heavy = points[apart], None if heavy is None else heavy[apart]
+    return points, turns, heavy
 
 
 def _chain_bounds(bounds: Mapping[str, tuple[float, float]]) -> ChainBounds:
@@ -331,11 +342,21 @@ def _check_pivots(points: Complex, bounds: ChainBounds) -> None:
             )
 
 
+def _one_each(field: str, values: Real, count: int) -> None:
+    if len(values) != count:
+        raise DesignError(field, f"found {len(values):,} for {count:,} points", "give one for each point", "conflict")
+
+
+def _weights(weights: Real, count: int) -> Real:
+    _one_each("weights", weights, count)
+    low, high = WEIGHTS
+    if wrong := weights[~((weights >= low) & (weights <= high))].tolist():
+        raise DesignError("weights", f"found {wrong[0]:g}", f"give weights from {low:g} to {high:g}", "out-of-range")
+    return weights
+
+
 def _turns(drive_deg: Real, count: int) -> Real:
-    if len(drive_deg) != count:
-        raise DesignError(
-            "drive_deg", f"found {len(drive_deg)} angles for {count} points", "give one for each point", "conflict"
-        )
+    _one_each("drive_deg", drive_deg, count)
     steps = np.diff(drive_deg)
     if not ((steps > 0).all() or (steps < 0).all()):
         raise DesignError("drive_deg", "the angles neither all rise nor all fall", "give them in order", "out-of-range")

@@ -16,7 +16,7 @@ from ...linkage.moving import move
 from ...linkage.named_linkages import FourBar
 from ...plane.vec import Complex, Real
 from ..found import Found, Rounding
-from .closed_lines import WantedLine, crossings
+from .closed_lines import WantedLine, crossings, distances, path_errors
 from .nine_points import PathCount
 
 # Limits of a usable linkage: transmission angle, deg, and ratio of links.
@@ -61,6 +61,12 @@ class PathFound(Found):
         Root mean square of these distances, mm.
     wanted_line : WantedLine, optional
         The closed line through the points of a closed path.
+    weights : array, shape (n,), optional
+        Weights of the squared distances of the points.
+    weighted_largest_distance : float, optional
+        Largest distance as above if each is multiplied by the root of its weight over the largest weight, mm.
+    weighted_rms_distance : float, optional
+        Root of the weighted mean of squared distances, mm.
     given : int
         Number of points that were given, if only a part of them, evenly chosen, is in `points`.
     closed : bool
@@ -88,6 +94,9 @@ class PathFound(Found):
     rms_distance: float
     closed: bool = False
     wanted_line: WantedLine | None = field(default=None, repr=False)
+    weights: Real | None = field(default=None, repr=False)
+    weighted_largest_distance: float | None = None
+    weighted_rms_distance: float | None = None
     given: int = 0
     at_limits: tuple[str, ...] = ()
     cut_short: bool = False
@@ -109,9 +118,14 @@ class PathFound(Found):
 
     @property
     def accuracy(self) -> str:
-        """Number of bars, and the largest distance as a share of the size of the path."""
+        """Number of bars, and the deviation as a share of the size of the path."""
         size = _diagonal(self.points)
-        return f"{self.bars} bars, {100 * self.largest_distance / size:.2g} % off, " if size else ""
+        return f"{self.bars} bars, {100 * self.deviation / size:.2g} % off, " if size else ""
+
+    @property
+    def deviation(self) -> float:
+        """Largest distance by which linkages are compared, weighted if there are weights, mm."""
+        return self.largest_distance if self.weighted_largest_distance is None else self.weighted_largest_distance
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -157,11 +171,11 @@ class PathFound(Found):
         best: dict[int, PathFound] = {}
         for found in self.ranked:
             nearest = best.get(found.bars)
-            if not found.defects and (nearest is None or found.largest_distance < nearest.largest_distance):
+            if not found.defects and (nearest is None or found.deviation < nearest.deviation):
                 best[found.bars] = found
         in_order = [best[bars] for bars in sorted(best)]
-        nearer = np.minimum.accumulate([np.inf, *(found.largest_distance for found in in_order)])
-        return tuple(found for found, limit in zip(in_order, nearer) if found.largest_distance < limit)
+        nearer = np.minimum.accumulate([np.inf, *(found.deviation for found in in_order)])
+        return tuple(found for found, limit in zip(in_order, nearer) if found.deviation < limit)
 
     @cached_property
     def cognates(self) -> tuple[Cognate, ...]:
@@ -185,12 +199,11 @@ class PathFound(Found):
         # A linkage with a defect may reach some points on its other branch.
         branches = (1, -1) if self.defects else (self.branch,)
         paths = [move(other.linkage, other.drive, sign).point("coupler_point").position for sign in branches]
-        off = np.fmin.reduce(np.abs(np.array(paths) - self.points))
-        largest, rms = float(off.max()), float(np.sqrt(np.mean(off**2)))
+        off, path = np.fmin.reduce(np.abs(np.array(paths) - self.points)), np.zeros(0, dtype=complex)
         if self.wanted_line is not None:
             path = move(other.linkage, FULL_TURN, self.branch).point("coupler_point").position
-            off, largest, rms = self.wanted_line.both_ways(path, None if self.bars > 4 else off)
-        return replace(other, square_error=float(np.sum(off**2)), largest_distance=largest, rms_distance=rms)
+            off = distances(self.points, path) if self.bars > 4 else off
+        return replace(other, **path_errors(off, self.weights, self.wanted_line, path))
 
     def summary(self) -> Mapping[str, object]:
         errors: dict[str, object] = {
@@ -199,6 +212,9 @@ class PathFound(Found):
             "rms_distance_mm": to_digits(self.rms_distance, 6),
             "bars": self.bars,
         }
+        for name in ("weighted_largest_distance", "weighted_rms_distance"):
+            if (distance := getattr(self, name)) is not None:
+                errors[f"{name}_mm"] = to_digits(distance, 6)
         if self.bars > 4:
             errors["size_of_mechanism_by_size_of_path"] = to_digits(self.extent, 3)
         limits: dict[str, object] = {"at_limits": list(self.at_limits)} if self.at_limits else {}
@@ -213,7 +229,7 @@ class PathFound(Found):
 def is_worse(first: PathFound, second: PathFound) -> bool:
     """Whether another linkage is much nearer to the path without more bars, size or a smaller transmission angle."""
     one, other = (
-        np.array([found.largest_distance / far, found.bars, -found.transmission_angle_deg, found.size])
+        np.array([found.deviation / far, found.bars, -found.transmission_angle_deg, found.size])
         for found, far in ((first, FAR), (second, 1.0))
     )
     return bool((one >= other - NEARLY * np.abs(other)).all())

@@ -20,7 +20,17 @@ from ...linkage.moving import move
 from ...linkage.named_linkages import FourBar, SliderCrank
 from ...plane.vec import Complex, Real, Whole
 from .any_curve import MARGIN_DEG, MARGIN_RATIO, ChainBounds, CurveSearch, CurveTask, State, cranks_along
-from .closed_lines import PARTS, WantedLine, evenly, returned, smooth_line
+from .closed_lines import (
+    PARTS,
+    RETURN_POINTS,
+    WantedLine,
+    along_line,
+    distances,
+    evenly,
+    path_errors,
+    returned,
+    smooth_line,
+)
 from .coupler_paths import (
     ARM_X,
     ARM_Y,
@@ -74,12 +84,20 @@ class PathSearch:
     @cached_property
     def wanted_line(self) -> WantedLine | None:
         """The closed line through the points of a closed path."""
-        return WantedLine.through(self.points) if self.task.closed else None
+        return WantedLine.through(self.points, self.task.weights) if self.task.closed else None
 
     @cached_property
     def line(self) -> Complex:
         """The closed line that chains follow, for an open path with a way back."""
         return self.wanted_line.line if self.wanted_line else smooth_line(returned(self.points))
+
+    def nothing_found(self) -> DesignError:
+        """The reason why there is no linkage."""
+        is_bounded = self.bounded or (self.chain_bounds and self.chain_bounds != ChainBounds())
+        problem = "no linkage was found that moves within the limits"
+        return DesignError(
+            "bounds" if is_bounded else "points", problem, "give wider limits or bounds, or another seed"
+        )
 
     def usable(self) -> PathFound | None:
         """The best linkage within the given limits and those of a usable one."""
@@ -119,7 +137,11 @@ class PathSearch:
             # The line between scattered points decides nothing if a linkage meets more of them than chance allows.
             meets = linkage.square_error < len(self.points) * (EXACT * self.size) ** 2
             meets = meets and self.more_than_can_be_met
-            square = linkage.largest_distance**2 if task.closed and not meets else linkage.square_error
+            square = linkage.square_error
+            if task.closed and not meets:
+                square = linkage.deviation**2
+            elif linkage.weighted_rms_distance is not None:
+                square = linkage.weighted_rms_distance**2 * len(self.points)
             error, angle = to_digits(max(square, unit_error), 6), _zero_if_nan(linkage.transmission_angle_deg)
             return len(linkage.defects), error, -round(angle, 4), round(linkage.ratio, 4), linkage.branch
 
@@ -154,10 +176,13 @@ class PathSearch:
 
     def _curve_search(self, seed: int, watch: Watch) -> tuple[CurveTask, list[State]]:
         """The task of a search for chains, and the chains that it finds."""
-        weight = None
         if self.wanted_line is None:
-            weight = (np.arange(len(self.line)) <= PARTS * (len(self.points) - 1)).astype(float)
-        target = target_curve(self.line, weight)
+            # The way back counts nothing.
+            weights = along_line(np.append(self.task.root**2, np.ones(RETURN_POINTS - 1)))
+            weights[PARTS * (len(self.points) - 1) + 1 :] = 0
+        else:
+            weights = self.wanted_line.weights
+        target = target_curve(self.line, weights)
         bounds = (self.chain_bounds or ChainBounds()).scaled(target.scale, target.middle)
         bounds = replace(bounds, links=(bounds.links[0], min(bounds.links[1], LONGEST * SIZE)))
         limits = float(np.degrees(self.task.least_transmission)), self.task.largest_ratio
@@ -207,13 +232,12 @@ class PathSearch:
         if not motion.assembled.all() or angle < self.task.least_transmission:
             return None
         if self.wanted_line is not None:
-            off, largest, rms = self.wanted_line.both_ways(path)
+            off = distances(self.points, path)
             drive = FULL_TURN[[int(np.argmin(np.abs(path[:-1] - point))) for point in self.points]]
         else:
             assert cranks is not None
             drive = cranks - 2 * np.pi * np.floor(cranks[0] / (2 * np.pi))
             off = np.abs(move(linkage, drive, branch).point("coupler_point").position - self.points)
-            largest, rms = float(off.max()), float(np.sqrt(np.mean(off**2)))
         found = PathFound(
             linkage=linkage,
             branch=branch,
@@ -221,12 +245,11 @@ class PathSearch:
             transmission_angle_deg=float(np.degrees(angle)),
             points=self.points,
             closed=self.task.closed,
-            square_error=float(np.sum(off**2)),
-            largest_distance=largest,
-            rms_distance=rms,
             wanted_line=self.wanted_line,
+            weights=self.task.weights,
             given=self.given,
             least_squares=True,
+            **path_errors(off, self.task.weights, self.wanted_line, path),
         )
         limits = []
         if np.degrees(angle - self.task.least_transmission) < 1.1 * MARGIN_DEG:
@@ -261,7 +284,7 @@ class PathSearch:
         task, size = self.task, self.size
         motion = crank_motion(task, x, cranks, branch)
         path = points_of(np.repeat(x[None], len(cranks), axis=0), cranks[:, None], branch.astype(float), task.slides)
-        distances = np.abs(path[:, 0] - task.wanted) * size
+        off = np.abs(path[:, 0] - task.wanted) * size
         ground_angle = float(np.degrees(x[TURN]))
         # Reported within half a turn, or within its bounds.
         ground_angle = ground_angle if "ground_angle_deg" in self.bounded else (ground_angle + 180.0) % 360.0 - 180.0
@@ -280,10 +303,8 @@ class PathSearch:
             )
         except DesignError:
             return None
-        largest, rms = float(distances.max()), float(np.sqrt(np.mean(distances**2)))
         if self.wanted_line is not None:
-            path = points_of(x[None], FULL_TURN[None], branch[:1].astype(float), task.slides)[0]
-            _, largest, rms = self.wanted_line.both_ways(path * size + self.middle, distances)
+            path = points_of(x[None], FULL_TURN[None], branch[:1].astype(float), task.slides) * size + self.middle
         drive = motion.drive
         if "start_deg" not in self.bounded and not (task.free and task.closed):
             drive = drive - 2 * np.pi * np.floor(drive[0] / (2 * np.pi))
@@ -295,13 +316,12 @@ class PathSearch:
             defects=motion.defects,
             points=self.points,
             closed=task.closed,
-            square_error=float(np.sum(distances**2)),
-            largest_distance=largest,
-            rms_distance=rms,
             wanted_line=self.wanted_line,
+            weights=self.task.weights,
             given=self.given,
             at_limits=self.active_limits(x, motion),
             least_squares=self.more_than_can_be_met,
+            **path_errors(off, self.task.weights, self.wanted_line, path[0]),
         )
 
     @property

@@ -141,9 +141,9 @@ def linear_fit(task: PathTask, x: Real, crank: Complex, coupler: Complex) -> tup
     pivot = complex(task.low[ORIGIN_X], task.low[ORIGIN_Y])
     one, two = x[:, CRANK, None] * crank, coupler
     wanted = np.broadcast_to(task.wanted, one.shape)
-    middle = [pivot * np.ones(len(x)) if placed else wanted.mean(axis=1)]
-    middle += [np.zeros(len(x)) if placed else v.mean(axis=1) for v in (one, two)]
-    wanted, one, two = (v - m[:, None] for v, m in zip((wanted, one, two), middle))
+    means = (pivot * np.ones(len(x)), *np.zeros((2, len(x))))
+    middle = means if placed else [np.average(v, axis=1, weights=task.weights) for v in (wanted, one, two)]
+    wanted, one, two = (task.root * (v - m[:, None]) for v, m in zip((wanted, one, two), middle))
     aa, bb = (np.einsum("sn,sn->s", v.real, v.real) + np.einsum("sn,sn->s", v.imag, v.imag) for v in (one, two))
     ab, aw, bw = (np.einsum("sn,sn->s", np.conj(p), q) for p, q in ((one, two), (one, wanted), (two, wanted)))
     with np.errstate(invalid="ignore", divide="ignore"):
