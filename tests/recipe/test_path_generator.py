@@ -77,7 +77,7 @@ def test_invalid_values_are_refused_by_key(tmp_path):
             "step_deg",
         ),
         ("points = [[0, 0], [1, 1], [2, 0]], step_deg = 0", "wanted.step_deg: "),
-        ("points = [[0, 0], [1, 1], [2, 0]], step_deg = 9, closed = true, bars = 6", "wanted.step_deg: "),
+        ("points = [[0, 0], [1, 1], [2, 0]], step_deg = 180, closed = true, bars = 6", "wanted.step_deg: "),
     ]:
         (tmp_path / "bad.csv").write_text("1,2\na,b\n")
         (tmp_path / "empty.svg").write_text("<svg/>")

@@ -12,6 +12,7 @@ from geomkin.synthesis.path.any_curve import ChainBounds, CurveSearch, CurveTask
 from geomkin.synthesis.path.closed_lines import WantedLine, crossings, distances, evenly
 from geomkin.synthesis.path.curve_library import (
     CurveLibrary,
+    TimedPoints,
     closed_paths,
     curve_library,
     harmonics_of,
@@ -197,6 +198,47 @@ def test_open_paths_are_met_in_order_by_a_part_of_the_turn(small):
         assert np.median(off - nearest) < 1e-3 * 80
 
 
+@pytest.mark.parametrize("closed", [False, True])
+def test_timed_points_are_traced_at_their_crank_angles(small, closed):
+    """By position analysis of the linkages alone, over the full turn too; falling angles, and a heavy part."""
+    points, angles = EIGHT[:200:10], -15.0 * np.arange(20)
+    weights = np.where(np.arange(20) < 8, 30.0, 1.0)
+    found = gk.path_generator(points, angles, closed, bars=5, geared=True, weights=weights)
+    assert {one.bars for one in found.ranked} == {4, 5}
+    for one in found.ranked:
+        assert np.degrees(one.drive - one.drive[0]) == pytest.approx(angles)
+        off = np.abs(gk.move(one.linkage, one.drive, one.branch).point("coupler_point").position - points)
+        assert one.square_error == pytest.approx(np.sum(off**2))
+        if not closed:
+            assert one.largest_distance == pytest.approx(off.max())
+            assert one.weighted_rms_distance == pytest.approx(np.sqrt(np.average(off**2, weights=weights)))
+        turn = gk.move(one.linkage, TURN, one.branch)
+        assert turn.assembled.all() and np.degrees(gk.least_transmission_angle(turn)) >= 20 and one.ratio <= 10
+
+
+def test_chains_that_pass_timed_points_are_found_at_once():
+    """Those of a chain of the library that is mirrored, turned and scaled, at angles between its own from any start."""
+    chains = one_of_each_kind(6)
+    library = CurveLibrary(chains, harmonics_of(closed_paths(chains))[0])
+    placed = chains[5:6].placed(np.full(1, 3 * np.exp(2j)), np.full(1, 50 - 8j), np.ones(1, bool))
+    turns = np.array([0, 0.31, 0.8, 1.2, 2.2, 3.0, 3.3, 4.1])
+    points = traced(placed, 1.7 + turns[None], derivatives=False).point[0]
+    nearest, starts = TimedPoints(points, turns, np.ones(8)).nearest(library, 3)
+    off = traced(nearest[:1], starts[:1, None] + turns, derivatives=False).point[0] - points
+    assert (nearest.bodies[0] == placed.bodies[0]).all() and np.abs(off).max() < 0.1 * np.ptp(points.real)
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("bars", [6, 7])
+def test_timed_points_of_random_chains_are_met_again(bars):
+    """Few points that four bars do not meet; by whatever linkage."""
+    known, turns = curve_of_known(bars), np.array([0, 20, 45, 60, 90, 110])
+    points = 30 * traced(known, np.radians(turns)[None], derivatives=False).point[0]
+    found = gk.path_generator(points, turns, bars=bars, geared=bars == 7, time_limit=300)
+    path = gk.move(found.linkage, found.drive[0] + np.radians(turns), found.branch).point("coupler_point").position
+    assert np.abs(path - points).max() < 1e-5 * np.ptp(np.abs(points - points[0]))
+
+
 def test_a_search_is_repeatable(small):
     task = CurveTask(target_curve(np.append(EIGHT, EIGHT[0])), 20.0, 10.0, ChainBounds())
     one, again, other = (CurveSearch(task, 4, False, 1, seed, Watch(60, "")) for seed in (4, 4, 5))
@@ -248,7 +290,8 @@ def test_links_stay_within_their_bounds(small, bars):
     ("given", "field"),
     [
         ({"slides": True}, "slides"),
-        ({"drive_deg": np.arange(64.0)}, "drive_deg"),
+        ({"drive_deg": 6.0 * np.arange(64)}, "drive_deg"),
+        ({"drive_deg": np.arange(63.0)}, "drive_deg"),
         ({"bounds": {"crank": (1, 2)}}, "bounds"),
         ({"bounds": {"pivots_x": (2, 1)}}, "bounds"),
         ({"bounds": {"origin_x": (400, 500)}}, "bounds"),

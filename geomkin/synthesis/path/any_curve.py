@@ -14,8 +14,8 @@ from ...core.processes import Watch
 from ...core.records import record
 from ...plane.vec import Complex, Mask, Real, Whole, cross, dot
 from .closed_lines import evenly
-from .curve_library import TargetCurve, closed_paths, curve_library
-from .dyad_chains import CRANK, GROUND, PER_DYAD, Chains, extended, joined, stacks, traced
+from .curve_library import LIMITED, CurveLibrary, TargetCurve, TimedPoints, closed_paths, curve_library
+from .dyad_chains import CRANK, GROUND, PER_DYAD, ChainMotion, Chains, extended, joined, stacks, traced
 
 # Distance of the search's limits from the wanted ones: a margin in deg, a factor of the ratio of lengths, and a share
 # of bounded lengths.
@@ -63,13 +63,19 @@ class CurveTask:
     """A wanted curve and the limits of chains for it.
 
     target: the curve. least_deg: transmission angle. ratio: longest link over the shortest. bounds: in units of the
-    search.
+    search. timed: points at given crank angles, instead of the curve.
     """
 
     target: TargetCurve
     least_deg: float
     ratio: float
     bounds: ChainBounds
+    timed: TimedPoints | None = None
+
+    def timed_state(self, timed: TimedPoints, chains: Chains, starts: Real) -> State:
+        """The chains at the angles of timed points."""
+        cranks = timed.cranks(starts)
+        return State(self.within(chains), cranks, np.zeros(cranks.shape))
 
     def within(self, chains: Chains) -> Chains:
         """The chains with ground pivots moved into their boxes."""
@@ -163,9 +169,9 @@ class State:
         return State(self.chains[rows], self.cranks[rows], self.places[rows])
 
     def resampled(self, samples: int) -> State:
-        """The same with so many samples, whose places and crank angles are interpolated."""
+        """The same with so many samples, whose places and crank angles are interpolated; with 0 as they are."""
         before, half = self.cranks.shape[1] // 2, samples // 2
-        if before == half:
+        if half in (0, before):
             return self
         sense = np.sign(self.places[:, before - 1] - self.places[:, 0])[:, None]
         old, new = np.arange(before) / before, np.arange(half) / half
@@ -240,20 +246,10 @@ def matched(task: CurveTask, chains: Chains, samples: int) -> State:
 
 def linearised(task: CurveTask, state: State, along: float, limits: float, level: Level | None = None) -> CurveFit:
     """The normal equations: distances across the curve and across the path, a share of those along them, and limits."""
-    samples = state.cranks.shape[1]
-    half = samples // 2
     moved = traced(state.chains, state.cranks)
-    place, tangent = task.target.at(state.places)
-    off = moved.point - place
-    by_crank = moved.by[:, 0]
-    speed = np.abs(by_crank)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        direction = np.concatenate([tangent[:, :half], by_crank[:, half:] / speed[:, half:]], axis=1)
-        weight = speed[:, :half] / (2 * speed[:, :half].sum(axis=1, keepdims=True))
-    weight = np.concatenate([weight, np.full((len(weight), half), 1 / samples)], axis=1)
-    root, heavy = np.sqrt(weight), np.sqrt(task.target.weight_at(state.places))
+    place, direction, root, heavy = _aims(task, state, moved) if task.timed is None else _timed_aims(task.timed)
     turned = heavy * np.conj(direction)
-    off, by = off * turned, moved.by[:, 1:] * turned[:, None]
+    off, by = (moved.point - place) * turned, moved.by[:, 1:] * turned[:, None]
     across, across_by = off.imag, by.imag
     if level is not None:
         # Squares of these residuals are powers of the distances.
@@ -266,12 +262,12 @@ def linearised(task: CurveTask, state: State, along: float, limits: float, level
     folding = moved.folding
     at = np.stack([np.argmax(folding, axis=2), np.argmin(folding, axis=2)], axis=2)
     cosine = np.take_along_axis(folding, at, axis=2)
-    slope = np.take_along_axis(moved.folding_by, at[:, :, None, :], axis=3)[:, :, 1:]
+    cosine_by = np.take_along_axis(moved.folding_by, at[:, :, None, :], axis=3)[:, :, 1:]
     over = np.abs(cosine) - np.cos(np.radians(task.least_deg + MARGIN_DEG))
     hinge = limits * np.maximum(over, 0)
-    hinge_by = (limits * (over > 0) * np.sign(cosine))[:, :, None] * slope
+    hinge_by = (limits * (over > 0) * np.sign(cosine))[:, :, None] * cosine_by
     residual = np.concatenate([residual, hinge.reshape(len(hinge), -1)], axis=1)
-    rows = np.moveaxis(hinge_by, 2, 1).reshape(len(hinge), slope.shape[2], -1)
+    rows = np.moveaxis(hinge_by, 2, 1).reshape(len(hinge), cosine_by.shape[2], -1)
     length, length_by = _length_limits(task, state.chains)
     residual = np.concatenate([residual, limits / 10 * length], axis=1)
     jacobian = np.concatenate([jacobian, rows, limits / 10 * np.swapaxes(length_by, 1, 2)], axis=2)
@@ -283,6 +279,29 @@ def linearised(task: CurveTask, state: State, along: float, limits: float, level
     return CurveFit(
         cost, np.einsum("spm,sm->sp", jacobian, residual), jacobian @ np.swapaxes(jacobian, 1, 2), moved.point, moved.by
     )
+
+
+def _aims(task: CurveTask, state: State, moved: ChainMotion) -> tuple[Complex, Complex, Real, Real]:
+    """Places (s, T) that samples should be at, directions along curve or path, and roots of shares and of weights."""
+    samples = state.cranks.shape[1]
+    half = samples // 2
+    place, tangent = task.target.at(state.places)
+    by_crank = moved.by[:, 0]
+    speed = np.abs(by_crank)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        direction = np.concatenate([tangent[:, :half], by_crank[:, half:] / speed[:, half:]], axis=1)
+        share = speed[:, :half] / (2 * speed[:, :half].sum(axis=1, keepdims=True))
+    share = np.concatenate([share, np.full((len(share), half), 1 / samples)], axis=1)
+    return place, direction, np.sqrt(share), np.sqrt(task.target.weight_at(state.places))
+
+
+def _timed_aims(timed: TimedPoints) -> tuple[Complex, Complex, Real, Real]:
+    """As `_aims`, the same for all chains (1, T); samples of the limits alone have no share."""
+    none = np.zeros(LIMITED)
+    place: Complex = np.concatenate([timed.places, none + 0j])[None]
+    share = np.append(timed.weights / timed.weights.sum(), none)[None]
+    one: Real = np.ones(share.shape)
+    return place, one + 0j, np.sqrt(share), one
 
 
 def _length_limits(task: CurveTask, chains: Chains) -> tuple[Real, Real]:
@@ -324,14 +343,14 @@ def refined(
         step = -np.linalg.solve(now.square + added[..., None] * np.eye(p), now.gradient[..., None])[..., 0]
         step *= np.minimum(1, LONGEST_STEP / np.maximum(np.abs(step[:, logs]).max(axis=1), 1e-12))[:, None]
         x = task.within(replace(chains, x=chains.x + step))
-        moved = now.traced + np.einsum("spt,sp->st", now.by[:, 1:], step)
-        place, tangent = task.target.at(places)
-        off = moved - place
-        with np.errstate(invalid="ignore", divide="ignore"):
-            by_place = np.nan_to_num(dot(tangent, off)[:, :half] / task.target.perimeter)
-            by_crank = np.nan_to_num(-dot(now.by[:, 0], off)[:, half:] / np.abs(now.by[:, 0, half:]) ** 2)
         new_places, new_cranks = places.copy(), cranks.copy()
         if along < 1:
+            moved = now.traced + np.einsum("spt,sp->st", now.by[:, 1:], step)
+            place, tangent = task.target.at(places)
+            off = moved - place
+            with np.errstate(invalid="ignore", divide="ignore"):
+                by_place = np.nan_to_num(dot(tangent, off)[:, :half] / task.target.perimeter)
+                by_crank = np.nan_to_num(-dot(now.by[:, 0], off)[:, half:] / np.abs(now.by[:, 0, half:]) ** 2)
             new_places[:, :half] += np.clip(by_place, -PLACE_STEP, PLACE_STEP)
             new_cranks[:, half:] += np.clip(by_crank, -CRANK_STEP, CRANK_STEP)
         new = linearised(task, State(x, new_cranks, new_places), along, limits, level)
@@ -378,6 +397,11 @@ ROUNDS = (
     (160, ((30, 0.05, 300.0),), 20),
     (256, ((40, 0.03, 400.0),), 12),
 )
+# The same for timed points, without a change of samples: these are the points, at most so many of them.
+TIMED = 60
+TIMED_ROUNDS = tuple(
+    (0, tuple((steps, 1.0, limits) for steps, _, limits in stages), kept) for _, stages, kept in ROUNDS
+)
 # Relative difference of costs below which two chains of one kind count as copies, and largest share of one kind.
 COPY, ALIKE = 2e-3, 0.25
 # Samples of the first and of the last steps, the powers of the distances that the last ones make small one after the
@@ -389,7 +413,8 @@ class CurveSearch:
     """A search for chains of at most so many bars; `best` has the best of each number of bars as far as it came."""
 
     def __init__(self, task: CurveTask, bars: int, is_geared: bool, effort: int, seed: int, watch: Watch):
-        self.task, self.effort, self.watch = task, effort, watch
+        self.all_timed, self.effort, self.watch = task.timed, effort, watch
+        self.task = replace(task, timed=task.timed.thinned(TIMED)) if task.timed else task
         self.numbers = [number for number in range(4, bars + 1) if is_geared or number % 2 == 0]
         self.rng = np.random.default_rng(seed)
         self.best: dict[int, State] = {}
@@ -399,8 +424,7 @@ class CurveSearch:
         best: dict[int, State] = {}
         for k, bars in enumerate(self.numbers):
             effort = EFFORT[bars]
-            similar = self.task.within(curve_library(bars).nearest(self.task.target, self.effort * effort.similar)[0])
-            now = self.halved(matched(self.task, similar, SAMPLES[0]), first=True)
+            now = self.halved(self.similar(curve_library(bars), self.effort * effort.similar), first=True)
             if effort.grown and len(best.get(bars - 2, ())):
                 now = self.better(now, self.halved(self.grown(best[bars - 2], self.effort * effort.grown)))
             for hop, share in enumerate(effort.hops, 1):
@@ -414,6 +438,13 @@ class CurveSearch:
             self.watch.report((k + 1) / len(self.numbers))
         return self.best
 
+    def similar(self, library: CurveLibrary, count: int) -> State:
+        """The chains of the library that are most similar."""
+        if self.task.timed:
+            return self.task.timed_state(self.task.timed, *self.task.timed.nearest(library, count))
+        chains = self.task.within(library.nearest(self.task.target, count)[0])
+        return matched(self.task, chains, SAMPLES[0])
+
     def better(self, one: tuple[State, Real], other: tuple[State, Real]) -> tuple[State, Real]:
         """The best of both."""
         count = ROUNDS[-1][2] * self.effort
@@ -423,7 +454,7 @@ class CurveSearch:
         """The best after rounds of least squares with more steps and fewer chains each, and their costs."""
         state = state[np.flatnonzero(np.isfinite(closed_paths(state.chains)).all(axis=1))]
         cost = np.full(len(state), np.inf)
-        for samples, stages, kept in ROUNDS:
+        for samples, stages, kept in ROUNDS if self.task.timed is None else TIMED_ROUNDS:
             done, costs = [state[:0].resampled(samples)], [cost[:0]]
             for k in range(0, len(state), AT_ONCE):
                 # The first ones are refined whatever the time limit.
@@ -431,7 +462,9 @@ class CurveSearch:
                     break
                 now = state[k : k + AT_ONCE].resampled(samples)
                 for steps, along, limits in stages:
-                    if first and along == 1:
+                    if self.task.timed:
+                        now, cost = refined(self.task, now, steps, along, limits)
+                    elif first and along == 1:
                         now = matched(self.task, refined(self.task, now, steps, along, limits)[0].chains, samples)
                     elif along < 1:
                         now, cost = refined(self.task, now, steps, along, limits)
@@ -488,6 +521,9 @@ class CurveSearch:
         """The chains, and copies whose largest distances are smaller (least high powers)."""
         if not len(state) or self.watch.over():
             return state
+        if self.all_timed:
+            task = replace(self.task, timed=self.all_timed)
+            return refined(task, task.timed_state(self.all_timed, state.chains, state.cranks[:, 0]), 60, 1.0, 600.0)[0]
         state, _ = refined(self.task, state.resampled(SAMPLES[-1]), 40, 0.02, 600.0)
         level = state
         for power in POWERS:

@@ -16,6 +16,9 @@ from .dyad_chains import ANGLES, Chains, joined, random_chains, traced
 POINTS, HARMONICS = 1024, 32
 # Random chains in the library by number of bars, and how many are drawn at once.
 STORED, AT_ONCE = {4: 12_000, 5: 15_000, 6: 30_000, 7: 40_000, 8: 50_000}, 4_000
+# Crank angles at which the limits of chains for timed points are checked; starts of the crank and points with which
+# they are compared, and chains at once.
+LIMITED, STARTS, COMPARED, TIMED_AT_ONCE = 72, 32, 12, 1_000
 # Size of a wanted curve in the search: the diagonal of its box.
 SIZE = 100.0
 
@@ -66,6 +69,61 @@ class TargetCurve:
         """As `harmonics_of`, (HARMONICS,)."""
         harmonics: Complex = harmonics_of(np.append(self.points[:: POINTS // ANGLES], self.points[0])[None])[0][0]
         return harmonics
+
+
+@record(eq=False)
+class TimedPoints:
+    """Wanted points (n,) in units of the search at crank angles (n,) from the first on, rad, and weights (n,)."""
+
+    places: Complex
+    turns: Real
+    weights: Real
+
+    def thinned(self, most: int) -> TimedPoints:
+        """At most so many of the points, evenly chosen."""
+        some = np.unique(np.linspace(0, len(self.places) - 1, most).round().astype(int))
+        return TimedPoints(self.places[some], self.turns[some], self.weights[some])
+
+    def cranks(self, starts: Real) -> Real:
+        """Crank angles (s, n + LIMITED) of the points from starts (s,) on, and others at which limits are checked."""
+        over = 2 * np.pi * np.arange(LIMITED) / LIMITED
+        angles: Real = starts[:, None] + np.append(self.turns, over)
+        return angles
+
+    def nearest(self, library: CurveLibrary, count: int) -> tuple[Chains, Real]:
+        """The chains that come nearest to the points after the best rotation, scaling and shift, and their starts (s,).
+
+        Compared at few of the points from `STARTS` starts of the crank, also mirrored; the best first. Derived here.
+        """
+        if len(self.places) > COMPARED:
+            return self.thinned(COMPARED).nearest(library, count)
+        chains, share = library.chains, self.weights / self.weights.sum()
+        middle, place = share @ self.places, self.turns * ANGLES / (2 * np.pi)
+        before = np.floor(place).astype(int)
+        part, row = place - before, (np.arange(0, ANGLES, ANGLES // STARTS)[:, None] + before) % ANGLES
+        best = np.zeros(len(chains))
+        start, mirrored = np.zeros(len(chains), dtype=int), np.zeros(len(chains), dtype=bool)
+        factor, centre = np.zeros(len(chains), dtype=complex), np.zeros(len(chains), dtype=complex)
+        for k, is_mirrored in product(range(0, len(chains), TIMED_AT_ONCE), (False, True)):
+            some = slice(k, k + TIMED_AT_ONCE)
+            path = closed_paths(chains[some])[:, :-1]
+            # A mirrored chain is at an angle where the chain was at its opposite.
+            path = np.roll(path[:, ::-1], 1, axis=1).conj() if is_mirrored else path
+            at = path[:, row] * (1 - part) + path[:, (row + 1) % ANGLES] * part
+            mean = at @ share
+            at = at - mean[..., None]
+            along, power = at.conj() @ (share * (self.places - middle)), np.abs(at) ** 2 @ share
+            likeness = np.nan_to_num(np.abs(along) / np.sqrt(power))
+            top, one = np.argmax(likeness, axis=1), np.arange(len(path))
+            better = likeness[one, top] > best[some]
+            new = likeness[one, top], top, np.full(len(path), is_mirrored), (along / power)[one, top], mean[one, top]
+            for kept, values in zip((best, start, mirrored, factor, centre), new):
+                kept[some] = np.where(better, values, kept[some])
+        chosen = _mixed(chains, best, count)
+        chains, factor, centre = chains[chosen], factor[chosen], centre[chosen]
+        chains = chains.placed(factor**0, 0 * factor, mirrored[chosen])
+        chains = chains.placed(factor, middle - factor * centre, np.zeros(len(chosen), dtype=bool))
+        return chains, 2 * np.pi * start[chosen] / STARTS
 
 
 def target_curve(line: Complex, weight: Real | None = None) -> TargetCurve:

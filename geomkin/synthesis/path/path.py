@@ -123,8 +123,8 @@ def path_generator(
     slides : bool
         Whether a slider-crank is wanted instead of a four-bar.
     bars : {4, 5, 6, 7, 8}
-        Largest number of bars. With more than 4, which take no `drive_deg`, `ranked` also has linkages with fewer, and
-        the crank turns fully; an open path is traced in a part of the turn.
+        Largest number of bars. With more than 4 `ranked` also has linkages with fewer, and the crank turns fully; an
+        open path is traced in a part of the turn.
     geared : bool
         Whether to search for five- and seven-bars as well, whose two cranks are coupled by gears.
     effort : int
@@ -181,11 +181,11 @@ def path_generator(
     ((), True)
     """
     wanted = np.asarray(points, dtype=complex)
-    _check_search(bars, geared, effort, closed, {"drive_deg": drive_deg is not None, "slides": slides})
+    _check_search(bars, geared, effort, closed, slides, drive_deg is not None)
     is_curve, chain_bounds = closed and drive_deg is None and not slides, None
     if bars > 4 or (bounds and is_curve and set(bounds) <= {*CURVE_BOUNDS}):
         chain_bounds, bounds = _chain_bounds(bounds or {}), None
-    targets, crank_angles, weights_used = _used(wanted, drive_deg, closed, weights)
+    targets, crank_angles, weights_used = _used(wanted, drive_deg, closed, weights, bars)
     centre = complex(targets.mean())
     size = float(np.sqrt(np.mean(np.abs(targets - centre) ** 2)))
     if not size > max(SMALLEST, 1e-12 * abs(centre)):
@@ -274,26 +274,29 @@ def usual_limits(bars: int, is_bounded: bool = False) -> tuple[float, float]:
     return (STUCK_DEG, ANY_RATIO) if is_bounded else (TOGGLE_DEG, LONGEST_RATIO)
 
 
-def _check_search(bars: int, geared: bool, effort: int, is_curve: bool, wrong: Mapping[str, bool]) -> None:
-    """Refuse arguments that a search does not take; is_curve: for a closed path; wrong: what more bars do not take."""
+def _check_search(bars: int, geared: bool, effort: int, is_closed: bool, slides: bool, is_timed: bool) -> None:
+    """Refuse arguments that a search does not take."""
     if (geared and bars == 4) or (not geared and bars % 2):
         problem, remedy = f"{bars} bars with geared = {str(geared).lower()}", "give geared = true with 5 to 8 bars"
         raise DesignError("bars", problem, f"{remedy}, or 4, 6 or 8 bars without", "conflict")
-    for field in (name for name, is_given in wrong.items() if is_given and bars > 4):
-        problem = "more than four bars follow paths without crank angles and without a slider"
-        raise DesignError(field, problem, "omit drive_deg and slides, or give 4 bars", "conflict")
-    if effort > 1 and bars == 4 and (not is_curve or any(wrong.values())):
+    if slides and bars > 4:
+        problem = f"is given, and linkages with up to {bars} bars have no slider"
+        raise DesignError("slides", problem, "omit slides, or give 4 bars", "conflict")
+    if effort > 1 and bars == 4 and (not is_closed or slides or is_timed):
         remedy = "omit it, or give a closed path without crank angles and a slider, or more bars"
         raise DesignError("effort", f"found {effort} for an open path of a four-bar", remedy, "conflict")
 
 
 def _used(
-    points: Complex, drive_deg: Angles | None, closed: bool, weights: Weights | None
+    points: Complex, drive_deg: Angles | None, closed: bool, weights: Weights | None, bars: int
 ) -> tuple[Complex, Real | None, Real | None]:
     """The points that are used, no two in a row equal on closed curves, their crank angles, rad, and weights."""
     if not 3 <= len(points) <= MOST_POINTS:
         raise DesignError("points", f"found {len(points):,}", f"give from 3 to {MOST_POINTS:,} points", "out-of-range")
     turns = None if drive_deg is None else _turns(np.asarray(drive_deg, dtype=float), len(points))
+    if bars > 4 and turns is not None and not abs(turns[-1]) < 2 * np.pi * (1 - 1e-9):
+        remedy = "give less than 360 deg, or 4 bars"
+        raise DesignError("drive_deg", "the angles cover a full turn or more", remedy, "conflict")
     heavy = None if weights is None else _weights(np.asarray(weights, dtype=float), len(points))
     if len(points) > MOST_USED:
         used = np.linspace(0, len(points) - 1, MOST_USED).round().astype(int)

@@ -67,6 +67,8 @@ class PathFound(Found):
         Largest distance as above if each is multiplied by the root of its weight over the largest weight, mm.
     weighted_rms_distance : float, optional
         Root of the weighted mean of squared distances, mm.
+    is_timed : bool
+        Whether the crank angles at the points were given.
     given : int
         Number of points that were given, if only a part of them, evenly chosen, is in `points`.
     closed : bool
@@ -97,6 +99,7 @@ class PathFound(Found):
     weights: Real | None = field(default=None, repr=False)
     weighted_largest_distance: float | None = None
     weighted_rms_distance: float | None = None
+    is_timed: bool = False
     given: int = 0
     at_limits: tuple[str, ...] = ()
     cut_short: bool = False
@@ -202,7 +205,7 @@ class PathFound(Found):
         off, path = np.fmin.reduce(np.abs(np.array(paths) - self.points)), np.zeros(0, dtype=complex)
         if self.wanted_line is not None:
             path = move(other.linkage, FULL_TURN, self.branch).point("coupler_point").position
-            off = distances(self.points, path) if self.bars > 4 else off
+            off = off if self.bars == 4 or self.is_timed else distances(self.points, path)
         return replace(other, **path_errors(off, self.weights, self.wanted_line, path))
 
     def summary(self) -> Mapping[str, object]:

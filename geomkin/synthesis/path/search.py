@@ -44,7 +44,7 @@ from .coupler_paths import (
     points_of,
 )
 from .crank_motion import CrankMotion, crank_motion
-from .curve_library import SIZE, target_curve
+from .curve_library import SIZE, TimedPoints, target_curve
 from .dyad_chains import linkage_of
 from .fits import PASSED, PathTask, nearest_angles, nearest_from, polished_starts, refined_starts
 from .nine_points import PathCount, cranks_and_branches, special, through_nine, with_cognates
@@ -186,7 +186,11 @@ class PathSearch:
         bounds = (self.chain_bounds or ChainBounds()).scaled(target.scale, target.middle)
         bounds = replace(bounds, links=(bounds.links[0], min(bounds.links[1], LONGEST * SIZE)))
         limits = float(np.degrees(self.task.least_transmission)), self.task.largest_ratio
-        task = CurveTask(target, *limits, bounds)
+        timed = None
+        if self.task.turns is not None:
+            places = (self.points - target.middle) / target.scale
+            timed = TimedPoints(places, self.task.turns, self.task.root**2)
+        task = CurveTask(target, *limits, bounds, timed)
         return task, list(CurveSearch(task, self.bars, self.is_geared, self.effort, seed, watch).run().values())
 
     def closed_four_bars(self, rng: np.random.Generator, watch: Watch) -> tuple[Real, Real, Real]:
@@ -213,8 +217,12 @@ class PathSearch:
         curve, found = self._curve_search(int(np.random.default_rng([self.seed, number]).integers(2**32)), watch)
         target, made = curve.target, []
         for state in found:
-            shares = evenly(self.line[None], 2)[1][0, : PARTS * len(self.points) : PARTS]
-            cranks = None if self.wanted_line else cranks_along(curve, state, shares)
+            cranks: Real | None = None
+            if self.task.turns is not None:
+                cranks = state.cranks[:, :1] + self.task.turns
+            elif self.wanted_line is None:
+                shares = evenly(self.line[None], 2)[1][0, : PARTS * len(self.points) : PARTS]
+                cranks = cranks_along(curve, state, shares)
             for k in range(len(state)):
                 linkage, branch = linkage_of(state.chains, k, target.scale, target.middle)
                 # The crank of a chain is at its first pin's angle from that of a linkage.
@@ -223,7 +231,7 @@ class PathSearch:
         return [linkage for linkage in made if linkage is not None]
 
     def measured(self, linkage: FourBar | Linkage, branch: int, cranks: Real | None) -> PathFound | None:
-        """A linkage whose crank turns fully, measured, at the points at these crank angles if the path is open.
+        """A linkage whose crank turns fully, measured, at the points at these crank angles if these are given.
 
         None if it does not close or violates a limit.
         """
@@ -231,11 +239,10 @@ class PathSearch:
         path, angle = motion.point("coupler_point").position, float(least_transmission_angle(motion))
         if not motion.assembled.all() or angle < self.task.least_transmission:
             return None
-        if self.wanted_line is not None:
+        if cranks is None:
             off = distances(self.points, path)
             drive = FULL_TURN[[int(np.argmin(np.abs(path[:-1] - point))) for point in self.points]]
         else:
-            assert cranks is not None
             drive = cranks - 2 * np.pi * np.floor(cranks[0] / (2 * np.pi))
             off = np.abs(move(linkage, drive, branch).point("coupler_point").position - self.points)
         found = PathFound(
@@ -247,6 +254,7 @@ class PathSearch:
             closed=self.task.closed,
             wanted_line=self.wanted_line,
             weights=self.task.weights,
+            is_timed=not self.task.free,
             given=self.given,
             least_squares=True,
             **path_errors(off, self.task.weights, self.wanted_line, path),
@@ -318,6 +326,7 @@ class PathSearch:
             closed=task.closed,
             wanted_line=self.wanted_line,
             weights=self.task.weights,
+            is_timed=not self.task.free,
             given=self.given,
             at_limits=self.active_limits(x, motion),
             least_squares=self.more_than_can_be_met,
