@@ -70,6 +70,7 @@ def test_invalid_values_are_refused_by_key(tmp_path):
         ('file = "../outside.csv"', "wanted.file: .*outside.csv"),
         ('file = "bad.csv"', "wanted.file: row 2 of bad.csv"),
         ('file = "empty.svg"', "wanted.file: empty.svg"),
+        ('file = "photo.png"', "wanted.file: photo.png.*SVG"),
         ('svg = "M 0 0 L 1"', "wanted.svg: its path at character 9 holds"),
         ("points = [[0, 0], [1, 1]]", "wanted.points: found 2"),
         (
@@ -81,6 +82,7 @@ def test_invalid_values_are_refused_by_key(tmp_path):
     ]:
         (tmp_path / "bad.csv").write_text("1,2\na,b\n")
         (tmp_path / "empty.svg").write_text("<svg/>")
+        (tmp_path / "photo.png").write_bytes(b"\x89PNG\r\n\x1a\n")
         (tmp_path / "a.toml").write_text(f'kind = "path-generator"\nwanted = {{ {wanted} }}\n')
         with pytest.raises(gk.RecipeError, match=message):
             check_recipe(gk.load(tmp_path / "a.toml"))

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.errors import DesignError, printable, shown
 from ...core.field_visitor import WrittenForm
-from ...core.fields import FARTHEST, ComplexPoint, Ratio, entry, point_of, quantity, to_digits
+from ...core.fields import FARTHEST, ComplexPoint, Ratio, entry, point_of, quantity
 from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
 from ...core.reprs import clipped
@@ -32,6 +32,9 @@ from ..path.path import MOST_POINTS, WEIGHTS, path_generator, usual_limits
 from ..path.path_found import PathFound
 from ..path.svg_drawings import drawing_points, svg_path_points
 from .linkage_goals import CUT_SHORT, AbstractLinkageGoal, Search, choose_entry, recipe_of
+
+# Endings of files of pictures, which are not read.
+PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".bmp", ".webp", ".tif", ".tiff")
 
 
 class NameOfFile(WrittenForm):
@@ -71,7 +74,10 @@ class FileName:
     @property
     def text(self) -> str:
         """The text of the file."""
-        return read_text_file(self.name, self.folder, "a CSV or an SVG file")
+        what = "a CSV or an SVG file"
+        if self.name.lower().endswith(PICTURES):
+            what = "the outline of the picture as an SVG file, which drawing programs trace, or a CSV file"
+        return read_text_file(self.name, self.folder, what)
 
     def points(self, count: int) -> Complex:
         """Points of the file, mm; `count` applies to drawings."""
@@ -522,7 +528,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
             # The nearest with each number of bars, by rank.
             entries["front"] = [
                 {"choose": 1 + next(k for k, one in enumerate(best.ranked) if one is found), "bars": found.bars}
-                | {"largest_distance_mm": to_digits(found.largest_distance, 6)}
+                | {f"{name}_mm": value for name, value in found.errors.items() if name.endswith("largest_distance")}
                 for found in best.front
             ]
         if best.path_count is not None:

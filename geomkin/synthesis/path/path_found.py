@@ -208,16 +208,16 @@ class PathFound(Found):
             off = off if self.bars == 4 or self.is_timed else distances(self.points, path)
         return replace(other, **path_errors(off, self.weights, self.wanted_line, path))
 
+    @property
+    def errors(self) -> dict[str, float]:
+        """The distances in a summary by name, mm."""
+        names = ("largest_distance", "rms_distance", "weighted_largest_distance", "weighted_rms_distance")
+        values = {name: getattr(self, name) for name in names}
+        return {name: to_digits(value, 6) for name, value in values.items() if value is not None}
+
     def summary(self) -> Mapping[str, object]:
-        errors: dict[str, object] = {
-            "square_error_mm2": to_digits(self.square_error, 6),
-            "largest_distance_mm": to_digits(self.largest_distance, 6),
-            "rms_distance_mm": to_digits(self.rms_distance, 6),
-            "bars": self.bars,
-        }
-        for name in ("weighted_largest_distance", "weighted_rms_distance"):
-            if (distance := getattr(self, name)) is not None:
-                errors[f"{name}_mm"] = to_digits(distance, 6)
+        errors: dict[str, object] = {"square_error_mm2": to_digits(self.square_error, 6)}
+        errors |= {f"{name}_mm": value for name, value in self.errors.items()} | {"bars": self.bars}
         if self.bars > 4:
             errors["size_of_mechanism_by_size_of_path"] = to_digits(self.extent, 3)
         limits: dict[str, object] = {"at_limits": list(self.at_limits)} if self.at_limits else {}
