@@ -92,3 +92,43 @@ def test_rows_have_the_same_limits_in_python_and_in_a_recipe():
     with pytest.raises(gk.DesignError) as refused:
         dataclasses.replace(wanted, poses=poses)
     assert refused.value.field == "poses[0][0]"
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "is_covered"),
+    [
+        ("loaded-train", "efficiency", True), ("loaded-train", "train.efficiencies", True),
+        ("gear-pair", "efficiency", True), ("rack-and-pinion", "efficiency", False),
+    ],
+)  # fmt: skip
+def test_an_unknown_key_names_the_key_that_covers_its_topic_if_there_is_one(name, key, is_covered):
+    """The efficiency of gears follows from their friction."""
+    table = tomllib.loads((RECIPES / f"{name}.toml").read_text("utf-8"))
+    outer, _, inner = key.rpartition(".")
+    (table[outer] if outer else table)[inner] = 0.9
+    with pytest.raises(RecipeError) as refused:
+        from_table(table)
+    (problem,) = refused.value.problems
+    words = f"{problem.problem}; {problem.remedy.partition('known here')[0]}"
+    assert problem.key == key and ("friction" in words.replace("friction and wear", "")) == is_covered
+
+
+@pytest.mark.parametrize("is_written", [False, True])
+@pytest.mark.parametrize(
+    ("table", "key", "value"),
+    [
+        ({"kind": "geneva", "geneva": {"distance": 10, "slots": 12, "roller": 2}}, "geneva.tip_width", 2.0),
+        (
+            {"kind": "ratchet", "ratchet": {"diameter": 80, "teeth": 24, "pawl_length": 60, "pawl_width": 40}},
+            "stock.spring",
+            20.0,
+        ),
+    ],
+)
+def test_a_value_that_nobody_wrote_is_named_as_the_default(table, key, value, is_written):
+    outer, _, inner = key.partition(".")
+    written = {**table, outer: {**table.get(outer, {}), **({inner: value} if is_written else {})}}
+    with pytest.raises(RecipeError) as refused:
+        from_table(written)
+    (problem,) = refused.value.problems
+    assert problem.key == key and f"{value:g}" in problem.problem and ("default" in problem.problem) != is_written
