@@ -10,7 +10,7 @@ from ..core.arguments import PLAIN, ArgumentType, found_value, is_endless, numbe
 from ..core.errors import MOST_SHOWN, DesignError, Problem, ProblemId, printable, shown
 from ..core.field_visitor import ROWS, DeclaredField, TypeShape, fields_of, item_shape, kind_of
 from ..core.fields import Coordinate, point_of, quantity_fits, refusal_id
-from ..core.names import Folder, is_visible
+from ..core.names import Folder, is_name
 from ..core.units import marked
 from .messages import allowed_value, did_you_mean, joined_key, number_meant, of_default, table_remedy, unknown_key
 
@@ -120,6 +120,8 @@ class _TableReader:
             return self.number(given, option, shape.mark or PLAIN[option], key, declared)
         if option is bool and not isinstance(given, bool):
             return self.refuse(key, f"found {shown(given)}", f"give true or false: {allowed_value(declared.about)}")
+        if option is str and isinstance(given, str) and not given.strip() and declared.default != "":
+            return self.wrong(given, key, declared, "out-of-range")
         return given if isinstance(given, option) else self.wrong(given, key, declared)
 
     def choice(self, given: Any, choices: Sequence[Any], key: str) -> Any:
@@ -172,8 +174,8 @@ class _TableReader:
         keys = {name: _inside(key, printable(name, 60) or '""') for name in given}
         values = {name: self.value(item, item_shape(hint), keys[name], declared) for name, item in given.items()}
         for name in given:
-            if not is_visible(name):
-                problem = f"has the key {shown(name)}, with a sign that is not visible"
+            if not is_name(name):
+                problem = f"has the key {shown(name)}, which is empty or has a sign that is not visible"
                 values[name] = self.refuse(key, problem, "give keys of visible signs", "out-of-range")
         return WRONG if any(value is WRONG for value in values.values()) else values
 
