@@ -374,6 +374,21 @@ def test_curves_that_no_linkage_follows_get_the_nearest_one_with_its_true_distan
     assert found.largest_distance > distances(np.asarray(points, dtype=complex), path).max() - 0.05
 
 
+@pytest.mark.parametrize("step_deg", [None, 7.0, 1e-9])
+def test_open_paths_and_timed_points_may_rest_at_the_ends(small, step_deg):
+    """Points that are given twice have no direction; angles that hardly differ have no linkage."""
+    points = np.repeat(EIGHT[10:90:8], 2)
+    drive = None if step_deg is None else step_deg * np.arange(20)
+    if step_deg == 1e-9:
+        with pytest.raises(gk.DesignError) as refusal:
+            gk.path_generator(points, drive, bars=6)
+        assert refusal.value.field == "points"
+        return
+    found = gk.path_generator(points, drive, bars=5, geared=True)
+    off = np.abs(gk.move(found.linkage, found.drive, found.branch).point("coupler_point").position - points)
+    assert off.max() == pytest.approx(found.largest_distance)
+
+
 @pytest.mark.parametrize("points", [[0, 0, 0, 0], [1, 2], [0, 1e-320, 0, 0]])
 def test_points_that_are_no_curve_are_refused(points):
     with pytest.raises(gk.DesignError) as refusal:

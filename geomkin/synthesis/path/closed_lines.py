@@ -30,7 +30,8 @@ def loop(points: Complex) -> Complex:
 
 def returned(points: Complex) -> Complex:
     """Points of an open path and of a smooth way back, to the left of the chord, by which it becomes a closed one."""
-    start, end = points[1] - points[0], points[-1] - points[-2]
+    steps = np.diff(points)
+    start, end = steps[steps != 0][[0, -1]]
     far = RETURN * max(abs(points[-1] - points[0]), np.ptp(points.real) / 2, np.ptp(points.imag) / 2)
     t = np.arange(1, RETURN_POINTS) / RETURN_POINTS
     slopes = (far * unit(np.array([end, start]))).tolist()

@@ -113,13 +113,16 @@ class TimedPoints:
             mean = at @ share
             at = at - mean[..., None]
             along, power = at.conj() @ (share * (self.places - middle)), np.abs(at) ** 2 @ share
-            likeness = np.nan_to_num(np.abs(along) / np.sqrt(power))
+            # Points at nearly one angle may have no size.
+            with np.errstate(invalid="ignore", divide="ignore"):
+                likeness, scaled = np.nan_to_num(np.abs(along) / np.sqrt(power), posinf=0.0), along / power
             top, one = np.argmax(likeness, axis=1), np.arange(len(path))
             better = likeness[one, top] > best[some]
-            new = likeness[one, top], top, np.full(len(path), is_mirrored), (along / power)[one, top], mean[one, top]
+            new = likeness[one, top], top, np.full(len(path), is_mirrored), scaled[one, top], mean[one, top]
             for kept, values in zip((best, start, mirrored, factor, centre), new):
                 kept[some] = np.where(better, values, kept[some])
         chosen = _mixed(chains, best, count)
+        chosen = chosen[best[chosen] > 0]
         chains, factor, centre = chains[chosen], factor[chosen], centre[chosen]
         chains = chains.placed(factor**0, 0 * factor, mirrored[chosen])
         chains = chains.placed(factor, middle - factor * centre, np.zeros(len(chosen), dtype=bool))

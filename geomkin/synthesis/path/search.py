@@ -224,11 +224,17 @@ class PathSearch:
                 shares = evenly(self.line[None], 2)[1][0, : PARTS * len(self.points) : PARTS]
                 cranks = cranks_along(curve, state, shares)
             for k in range(len(state)):
-                linkage, branch = linkage_of(state.chains, k, target.scale, target.middle)
+                try:
+                    linkage, branch = linkage_of(state.chains, k, target.scale, target.middle)
+                except DesignError:
+                    # A size beyond all that are allowed.
+                    continue
                 # The crank of a chain is at its first pin's angle from that of a linkage.
                 turned = np.angle(state.chains.pins[k, 0, 0]) - np.radians(linkage.ground_angle_deg)
                 made.append(self.measured(linkage, branch, None if cranks is None else cranks[k] + turned))
-        return [linkage for linkage in made if linkage is not None]
+        # Least squares may exceed the longest link a little.
+        longest = 2 * LONGEST * SIZE * target.scale
+        return [linkage for linkage in made if linkage is not None and linkage.size < longest]
 
     def measured(self, linkage: FourBar | Linkage, branch: int, cranks: Real | None) -> PathFound | None:
         """A linkage whose crank turns fully, measured, at the points at these crank angles if these are given.
