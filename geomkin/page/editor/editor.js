@@ -103,9 +103,16 @@ class Editor {
     document.body.classList.toggle("building", isShown);
     if (!isShown) this.tools.choose("move");
     if (!this.player) return;
-    const [drawing] = this.player.drawings, [left, low, right, high] = drawing.bounds, free = ROOM * Math.max(right - left, high - low);
-    drawing.room = isShown ? [left - free, low - free, right + free, high + free] : null;
     this.fold("plots", isShown);
+    this.makeRoom();
+  }
+
+  // Shows the drawing with room around it while it is built, and with the picture under it.
+  makeRoom() {
+    const [drawing] = this.player.drawings, [left, low, right, high] = drawing.bounds, free = ROOM * Math.max(right - left, high - low);
+    const boxes = [...at("tools").hidden ? [] : [[left - free, low - free, right + free, high + free]], this.tools.own.photo.box].filter(Boolean);
+    drawing.room = boxes.length ? [0, 1, 2, 3].map((k) => Math[k < 2 ? "min" : "max"](...boxes.map((box) => box[k]))) : null;
+    this.player.fit(true);
   }
 
   // --- changes of the recipe's text ---------------------------------------------------------------------------------
@@ -179,6 +186,7 @@ class Editor {
     // A template is not worth keeping before it is changed.
     Object.assign(this, { draft: `${Date.now()}`, firstText: text, drawnText: null });
     this.locks.clear();
+    this.tools.own.photo.remove();
     for (const id of ["conflict", "candidates", "known"]) at(id).hidden = true;
     this.askAnew();
   }
@@ -259,7 +267,7 @@ class Editor {
   replaceBy(change, text) {
     this.history.begin(this.text);
     this.ask(change, text);
-    this.whenIdle(() => { this.history.end(this.text); this.player.fit(true); });
+    this.whenIdle(() => { this.history.end(this.text); this.makeRoom(); });
   }
 
   showKnown(known) {
@@ -454,7 +462,7 @@ class Editor {
   showScene(reply) {
     const { scene, handles, preview, structure, unfinished } = reply, wasUnfinished = document.body.classList.contains("unfinished");
     document.body.classList.toggle("unfinished", unfinished !== "");
-    const canBuild = structure || reply.kind === "path-generator";
+    const canBuild = structure || ["path-generator", "body-guidance"].includes(reply.kind);
     at("build").hidden = !canBuild;
     if (reply.shafts.length || !this.handles?.held) at("join").hidden = !reply.shafts.length;
     const copy = this.text === this.savedText || this.isJustLoaded ? structuredClone(scene) : null;
