@@ -4,7 +4,7 @@ import { make } from "../player/shapes.js";
 import { mount } from "../player/player.js";
 import { read } from "../player/plots.js";
 import { mountRows, showRows } from "../player/rows.js";
-import { chooseName, draftsOf, forget, keep, python, showGallery } from "./dialogs.js";
+import { chooseName, draftsOf, forget, keep, python, remember, showGallery } from "./dialogs.js";
 import { Dimensions } from "./dimensions.js";
 import { Form } from "./form.js";
 import { Ghost } from "./ghost.js";
@@ -180,8 +180,9 @@ class Editor {
   }
 
   // Loads another text. It counts as saved if it has the name of a file.
-  load(text, recipe, base, keepHistory = false) {
-    if (!keepHistory) this.history.clear();
+  load(text, recipe, base) {
+    this.history.clear();
+    if (recipe) remember(this.folder, recipe);
     Object.assign(this, { text, recipe, base, seen: base, savedText: recipe ? text : "", savedScene: null, kind: "", isJustLoaded: true, checked: [] });
     // A template is not worth keeping before it is changed.
     Object.assign(this, { draft: `${Date.now()}`, firstText: text, drawnText: null });
@@ -618,6 +619,7 @@ class Editor {
     try {
       const saved = await post("save", { recipe: name, text, base });
       Object.assign(this, { recipe: name, base: saved.base, seen: saved.base, savedText: text });
+      remember(this.folder, name);
       at("conflict").hidden = true;
       if (this.text === text) { this.saved = this.values; this.ask({}); }
       this.showState();
