@@ -247,8 +247,8 @@ def _facts(results: ShownRecipe) -> tuple[str, ...]:
 def index(out: PathName = "out") -> dict[Path, int]:
     """Write `out`/index.html, a page with a card for each recipe made into `out`.
 
-    A card shows the assembly, the kind and the number of passed checks, with links to the page and the files. Other
-    files in the folder stay as they are.
+    A card shows the assembly, the kind and the number of passed checks, with links to the page and the files. The cards
+    are in groups of kinds and are searched by words. Other files in the folder stay as they are.
 
     Parameters
     ----------
@@ -271,9 +271,12 @@ def index(out: PathName = "out") -> dict[Path, int]:
     """
     folder = Path(out)
     # Imported here, since a run of a single recipe needs no index.
-    from .page.page import index_page
+    from .page.cards import index_page
+    from .recipe.kinds import all_kinds, recipe_class
+    from .recipe.messages import other_names
 
-    contents = index_page(folder)
+    kinds = {kind: (row.group, recipe_class(kind).about(), other_names(kind)) for kind, row in all_kinds().items()}
+    contents = index_page(folder, kinds)
     write_whole(folder, contents)
     return {folder / name: len(content) for name, content in contents.items()}
 

@@ -195,12 +195,19 @@ NO_ANGLE_DEG = 1e-5
 
 def transmission_extreme(motion: Motion, sign: Literal[1, -1]) -> tuple[float, float]:
     """Largest (1) or least (-1) transmission angle, deg, also between frames, and the drive there; nan if unknown."""
-    value, drive = largest_between(
-        motion,
-        lambda moved: sign * np.degrees(np.where(moved.assembled, moved.transmission_angle, np.nan)),
-        to_limits=True,
-    )
-    return 0.0 if abs(value) < NO_ANGLE_DEG else sign * float(value), float(drive)
+    (value,), (drive,) = _transmission_extremes(motion, sign)
+    return value, drive
+
+
+def _transmission_extremes(motion: Motion, *signs: Literal[1, -1]) -> tuple[list[float], list[float]]:
+    """Largest (1) and least (-1) transmission angles, deg, and the drives there."""
+    ways = np.array(signs)
+
+    def both_ways(moved: Motion) -> Real:
+        return ways[:, None] * np.degrees(np.where(moved.assembled, moved.transmission_angle, np.nan))
+
+    values, drives = largest_between(motion, both_ways, to_limits=True)
+    return np.where(np.abs(values) < NO_ANGLE_DEG, 0.0, ways * values).tolist(), drives.tolist()
 
 
 # deg. A body that moves through less is at rest, and one that moves through more may turn fully: its ends between
@@ -250,7 +257,7 @@ def motion_quantities(linkage: AbstractLinkage, motion: Motion) -> dict[str, str
         pairs = zip(pins, [*pins[1:], pins[0]]) if len(pins) > 2 else [tuple(pins)] * (len(pins) == 2)
         if lengths := [abs(b - a) for a, b in pairs]:
             listed[body.replace("_", " ")] = Sentence(f"{mm(*lengths):.5g}")
-    least, largest = (transmission_extreme(motion, sign)[0] for sign in (-1, 1))
+    (least, largest), _ = _transmission_extremes(motion, -1, 1)
     if np.isfinite(least):
         listed["transmission angle"] = f"{least:.4g} to {largest:.4g} deg"
     return listed

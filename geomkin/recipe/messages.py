@@ -75,6 +75,12 @@ ALSO_KNOWN_AS = {
     "peaucellier": ("hart",),
 }
 
+
+def other_names(*names: str) -> str:
+    """Other names of kinds and recipes, by which they are searched."""
+    return " ".join(other for name in names for other in ALSO_KNOWN_AS.get(name, ()))
+
+
 # Largest number of recipes of the gallery that a message names.
 MOST_RECIPES = 8
 
