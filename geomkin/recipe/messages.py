@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from difflib import SequenceMatcher
 from typing import Any
 
@@ -79,6 +79,37 @@ ALSO_KNOWN_AS = {
 def other_names(*names: str) -> str:
     """Other names of kinds and recipes, by which they are searched."""
     return " ".join(other for name in names for other in ALSO_KNOWN_AS.get(name, ()))
+
+
+# Words of a wish that say nothing about a mechanism, and endings that are left out if four letters stay.
+FILLERS = frozenset(
+    re.findall(
+        "[a-z]+",
+        "a an and are as at be by can for from have i in into is it its mechanism need of on one or some something "
+        "someone that the thing this to want which with",
+    )
+)
+ENDINGS, STEM = ("ing", "ed", "es", "s"), 4
+
+
+def wished(wish: str, texts: Mapping[str, str]) -> list[str]:
+    """Names of the texts with all words of a wish or, if none has, with most of them; else none."""
+    words = re.findall(r"\w+", wish.casefold())
+    wanted = [_stem(word) for word in [word for word in words if word not in FILLERS] or words]
+    counts = dict.fromkeys(texts, 0)
+    for name, text in texts.items():
+        known = set(re.findall(r"\w+", text.casefold().replace("_", " ")))
+        # A short word is a whole one.
+        counts[name] = sum(
+            word in known if len(word) < 3 else any(other.startswith(word) for other in known) for word in wanted
+        )
+    most = max(counts.values(), default=0)
+    return [name for name in texts if counts[name] == most] if 2 * most > len(wanted) or not wanted else []
+
+
+def _stem(word: str) -> str:
+    ending = next((end for end in ENDINGS if word.endswith(end) and len(word) - len(end) >= STEM), "")
+    return word.removesuffix(ending)
 
 
 # Largest number of recipes of the gallery that a message names.

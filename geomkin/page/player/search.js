@@ -11,7 +11,7 @@ function stem(word) {
   return word.slice(0, word.length - ending.length);
 }
 
-// Shows the elements in `root` that have all words of a wish or, if none has, at least half of them; hides the headings of lists
+// Shows the elements in `root` that have all words of a wish or, if none has, most of them; hides the headings of lists
 // without any; `lists`: what has a heading before it; `said`: the element that states that no element has all words.
 export function narrow(root, wish, lists, said) {
   const cards = [...root.querySelectorAll("[data-words]")], all = wordsOf(wish), telling = all.filter((word) => !FILLERS.has(word));
@@ -21,7 +21,7 @@ export function narrow(root, wish, lists, said) {
     // A short word is a whole one.
     return wanted.filter((word) => known.some((other) => (word.length < 3 ? other === word : other.startsWith(word)))).length;
   });
-  const most = Math.max(0, ...counts), isFound = !wanted.length || (most > 0 && most >= wanted.length / 2);
+  const most = Math.max(0, ...counts), isFound = !wanted.length || most > wanted.length / 2;
   cards.forEach((card, k) => { card.hidden = !isFound || counts[k] < most; });
   for (const list of root.querySelectorAll(lists)) list.previousElementSibling.hidden = !list.querySelector("[data-words]:not([hidden])");
   said.hidden = most === wanted.length;
