@@ -23,9 +23,8 @@ from ..making.assembly import (
     standing_plate,
 )
 from ..making.bores import AbstractBored, bore, fits_of, shaft
-from ..making.materials import STEEL_DENSITY
 from ..making.motors import MountedMotorKey
-from ..model.material import Mass
+from ..model.material import STEEL_DENSITY, Mass
 from ..model.part import HoleFit, Part
 from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten

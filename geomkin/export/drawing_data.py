@@ -10,8 +10,7 @@ import numpy as np
 from ..core.errors import harmless
 from ..core.records import record
 from ..core.units import MM, LengthUnit
-from ..model.limits import FitLimits
-from ..model.part import HoleFit, Part
+from ..model.part import FitLimits, HoleFit, Part
 from ..plane.curve import Moved
 from ..plane.flatten import flatten
 from ..plane.joined import PolarArray

@@ -30,9 +30,8 @@ from ..making.bores import (
     keyway_width,
     shaft,
 )
-from ..making.materials import MaterialKey, material_entry
-from ..model.limits import Fit, HoleTolerance
-from ..model.part import HoleFit, Part, Twist
+from ..model.material import MaterialKey, material_entry
+from ..model.part import Fit, HoleFit, HoleTolerance, Part, Twist
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle, Polyline, rounded_hull
 from .conjugate.conjugate import Conjugate

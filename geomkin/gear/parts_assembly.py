@@ -26,8 +26,8 @@ from ..making.assembly import (
     standing_plate,
 )
 from ..making.bores import AbstractBored, bore, fits_of
-from ..making.materials import MaterialKey
 from ..making.motors import HEADS, MountedMotorKey
+from ..model.material import MaterialKey
 from ..model.part import Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle, rounded_hull

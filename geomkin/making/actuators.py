@@ -11,9 +11,9 @@ from ..core.fields import entry, to_digits
 from ..core.records import record
 from ..core.units import mm
 from ..model.check import Check, Suggestion
+from ..model.material import NamedIn
 from ..model.motor import LinearActuator
 from ..plane.vec import Real
-from .materials import NamedIn
 from .motors import LEAST_MOTOR_MARGIN
 
 _SOURCE = (

@@ -22,10 +22,9 @@ from ..plane.measure import separation
 from ..plane.primitives import Circle, rounded_hull, slot
 from ..plane.vec import Complex
 from .bores import PARALLEL_KEYS, SMALLEST, AbstractBored, clearance, key_of, widened
-from .fasteners import Fastener, ThreadDiameter, gathered, screw_text, size_of
+from .fasteners import PLAY as SNAP_PLAY
+from .fasteners import Fastener, PinPlace, SnapPin, ThreadDiameter, alike, gathered, screw_text, size_of, snap_checks
 from .motors import MotorFace, MountedMotorKey, face_of, fixed_under
-from .snap_pins import PLAY as SNAP_PLAY
-from .snap_pins import PinPlace, SnapPin, alike, snap_checks
 
 
 @record(checked=True)

@@ -13,7 +13,7 @@ from ..core.errors import printable
 from ..core.records import record
 from ..core.units import mm
 from ..export.lettering import lettered
-from ..model.corner_relief import relieved
+from ..model.machinability import relieved
 from ..model.part import Part
 from ..plane.region import Edges, containers, gap, is_simple, offset, overlapping
 from ..plane.vec import Complex, Real, Whole, dot

@@ -7,8 +7,8 @@ from functools import cached_property
 
 from ...core.records import record
 from ...making.assembly import Assembly, BaseStock
+from ...making.fasteners import pin_parts
 from ...making.motors import MOTORS
-from ...making.snap_pins import pin_parts
 from ...model.material import Mass
 from ...model.motor import Motor
 from ...model.part import Part

@@ -16,9 +16,9 @@ from ...core.fields import entry, quantity, to_digits
 from ...core.records import record
 from ...core.units import UNITS, mm
 from ...making.assembly import Assembly, BaseStock, RackBaseStock
-from ...making.materials import MATERIALS
-from ...making.snap_pins import pin_parts
+from ...making.fasteners import pin_parts
 from ...model.check import Check, WorkedFormula, WorkedFormulas
+from ...model.material import MATERIALS
 from ...model.motor import RotatingBody
 from ...model.part import Part
 from ...model.scene import Scene, SceneHandle

@@ -17,8 +17,8 @@ from ...core.fields import Ratio, entry, quantity, to_digits
 from ...core.records import record
 from ...core.units import mm
 from ...making.assembly import Assembly, BaseStock
-from ...making.materials import MATERIALS
 from ...model.check import Check
+from ...model.material import MATERIALS
 from ...model.motor import RotatingBody
 from ...model.part import Part
 from ...model.scene import Plot, Scene, SceneBody, SceneCurve, SceneHandle, circle_handle, dimension, point_handle

@@ -13,9 +13,8 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import to_digits
 from ...core.records import record
-from ...making.materials import MATERIALS
 from ...model.check import Check
-from ...model.material import Material
+from ...model.material import MATERIALS, Material
 from ...model.table import Column, Table
 from ...recipe.aspect import AbstractAspect
 from ...recipe.composed import AbstractComposedRecipe

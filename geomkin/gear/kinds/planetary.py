@@ -15,9 +15,9 @@ from ...core.fields import entry, to_digits
 from ...core.records import record
 from ...core.units import mm
 from ...making.assembly import Assembly, BaseStock, collar_across
-from ...making.materials import MATERIALS
 from ...making.motors import plate_radius
 from ...model.check import Check
+from ...model.material import MATERIALS
 from ...model.motor import RotatingBody
 from ...model.part import Part
 from ...model.scene import Scene, SceneHandle
