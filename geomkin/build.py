@@ -17,10 +17,9 @@ from .core.names import PathName, file_name_flaw
 from .core.records import record
 from .core.units import START, UNITS, marked
 from .export.cut import LayerStyles
-from .export.files import remove, write_whole
 from .export.formats import WRITERS, format_of, tail_of
 from .export.job import Job, StaticSource
-from .export.summary import CERTIFICATE, FOUND, NAME, Stamp, listed_files, recipe_hash, summary
+from .export.summary import CERTIFICATE, FOUND, NAME, Stamp, listed_files, recipe_hash, remove, summary, write_whole
 from .model.check import Check
 from .model.part import Part
 from .model.table import Table

@@ -14,7 +14,7 @@ from ..core.records import record
 from ..plane.vec import Mask, Real
 from .cam import Cam, Direction, check_lifts, turning_sense
 from .followers.follower import AbstractFollower, Follower
-from .program.extrema import exceeds, largest, samples
+from .program.laws import exceeds, largest, samples
 from .program.program import FollowerMotion, Program
 from .undercut import Undercut, undercut
 

@@ -17,7 +17,7 @@ from ..model.table import Column, Table, finite, xy_columns
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Mask, Real, Whole, first_largest
 from .cam import Cam
-from .program.extrema import highest, largest, samples
+from .program.laws import highest, largest, samples
 from .undercut import Undercut, undercut
 
 # Samples in each smooth piece of the outline. Fewer may miss that a piece passes a direction three times.

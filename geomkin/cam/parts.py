@@ -23,8 +23,9 @@ from ..making.assembly import (
     standing_plate,
 )
 from ..making.bores import AbstractBored, bore, fits_of, shaft
+from ..making.materials import STEEL_DENSITY
 from ..making.motors import MountedMotorKey
-from ..model.material import STEEL_DENSITY, Mass
+from ..model.material import Mass
 from ..model.part import HoleFit, Part
 from ..plane.curve import AbstractCurve
 from ..plane.flatten import flatten
@@ -32,7 +33,7 @@ from ..plane.primitives import Arc, Circle, Polyline, Segment
 from ..plane.vec import Complex, box_of
 from .cam import Cam
 from .followers.follower import Bars, FollowerPlate
-from .program.extrema import largest, samples
+from .program.laws import largest, samples
 from .undercut import Undercut, undercut
 
 # Letters engraved at holes that belong together, by the key of their diameter in the stock; the cam's shaft is A.

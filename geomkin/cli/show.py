@@ -68,7 +68,7 @@ def explain(words: tuple[str, ...]) -> None:
     """
     from ..core.errors import harmless, printable
     from ..model.explanations import CHECKS, REFUSALS, TERMS, explained
-    from ..recipe.messages import did_you_mean
+    from ..recipe.reader import did_you_mean
 
     text = " ".join(words)
     # A term may have several words; otherwise each word is an id.
@@ -89,7 +89,7 @@ def import_command(file: Path) -> None:
     FILE is JSON of pylinkage, a text file with a link that PMKS+ shares, or a .linkage2 file. What is not understood is
     refused by name.
     """
-    from ..foreign.reading import imported
+    from ..foreign.programs import imported
 
     with ended_if_refused(file):
         click.echo(imported(file), nl=False)
@@ -132,7 +132,7 @@ def list_command(words: tuple[str, ...]) -> None:
 
     from ..core.errors import harmless, printable
     from ..recipe.kinds import all_kinds, gallery, recipe_class
-    from ..recipe.messages import nearest_kind
+    from ..recipe.reader import nearest_kind
 
     # The words of `planetary-gear` are two.
     wanted = re.findall(r"\w+", " ".join(words).casefold())
@@ -175,7 +175,7 @@ def new(name: str, options: tuple[str, ...]) -> None:
     try:
         recipe = recipe_class(name)
     except KeyError:
-        from ..recipe.messages import nearest_kind
+        from ..recipe.reader import nearest_kind
 
         folder, recipes = gallery()
         if f"{name}.toml" in recipes and not options:

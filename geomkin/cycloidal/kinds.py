@@ -25,9 +25,10 @@ from ..making.assembly import (
     standing_plate,
 )
 from ..making.bores import AbstractBored, bore, clearance, fits_of, shaft, widened
+from ..making.materials import MATERIALS
 from ..making.motors import mounted_motor_checks
 from ..model.check import Check
-from ..model.material import MATERIALS, hertz_pressure
+from ..model.material import hertz_pressure
 from ..model.motor import RotatingBody
 from ..model.part import HoleFit, Part
 from ..model.scene import Plot, Scene, SceneBody, SceneCurve, SceneHandle, SceneMark, circle_handle, point_handle

@@ -21,7 +21,7 @@ from ..plane.flatten import flatten
 from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, box_of, rounded
-from .lettering import lettered
+from .text import lettered
 
 # Finest tolerance as a share of the part's size: a finer one is below the precision of the numbers in meshes
 # and takes minutes.

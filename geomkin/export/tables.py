@@ -11,9 +11,8 @@ from math import inf, isnan
 import numpy as np
 
 from ..core.errors import harmless
-from ..model.in_unit import table_in
 from ..model.scene import Hodograph, Limit, Plot
-from ..model.table import Column, Table
+from ..model.table import Column, Table, table_in
 from ..plane.vec import Real
 from .job import Job
 from .still import kept_frames, palette

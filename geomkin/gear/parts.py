@@ -30,14 +30,13 @@ from ..making.bores import (
     keyway_width,
     shaft,
 )
-from ..model.material import MaterialKey, material_entry
+from ..making.materials import MaterialKey, material_entry
 from ..model.part import Fit, HoleFit, HoleTolerance, Part, Twist
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle, Polyline, rounded_hull
 from .conjugate.conjugate import Conjugate
 from .conjugate.shaping_gears import LanternPinion
-from .contract import AbstractGear
-from .helix import Helix
+from .contract import AbstractGear, Helix
 
 
 @record(checked=True)

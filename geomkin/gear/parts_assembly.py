@@ -26,13 +26,13 @@ from ..making.assembly import (
     standing_plate,
 )
 from ..making.bores import AbstractBored, bore, fits_of
+from ..making.materials import MaterialKey
 from ..making.motors import HEADS, MountedMotorKey
-from ..model.material import MaterialKey
 from ..model.part import Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle, rounded_hull
 from ..plane.vec import spaced_directions
-from .helix import Helix
+from .contract import Helix
 from .parts import AbstractMated, GearStock, RingStock
 from .planetary import Member, PlanetarySet
 from .rack import RackPair

@@ -19,8 +19,7 @@ from ..plane.roulettes import Involute, Traced, involute_function, roll_at
 from ..plane.vec import Complex, Pose, Real
 from .contract import AbstractInvoluteGear, AbstractTooth, check_shortening
 from .cutters import Settled, diametral_pitch, module, settle_module, thickness_allowance
-from .interference import InternalMesh
-from .pinion_cutter import CutterInRing, PinionCutter
+from .interference import CutterInRing, InternalMesh, PinionCutter
 from .spur import envelope_end, toothed, with_land
 
 

@@ -1,10 +1,10 @@
 # The public names of this package. Each is imported when it is first used.
-from ..model.material import MATERIALS as MATERIALS
-from ..model.material import material as material
-from .actuators import ACTUATORS as ACTUATORS
 from .assembly import BaseStock as BaseStock
 from .assembly import RackBaseStock as RackBaseStock
+from .attachments import ACTUATORS as ACTUATORS
 from .attachments import Attachment as Attachment
+from .materials import MATERIALS as MATERIALS
+from .materials import material as material
 from .motors import (
     MOTOR_FACES as MOTOR_FACES,
 )

@@ -15,9 +15,9 @@ from ..core.fields import FARTHEST, entry, inside, quantity, rounded_down, to_di
 from ..core.records import record
 from ..core.units import INCH, bare_mm, mm
 from ..model.check import Check
-from ..model.material import MaterialKey, material_entry
 from ..model.part import Fit, FitLimits, HoleFit, HoleTolerance, Part, fit_limits
 from ..plane.primitives import Circle, Polyline
+from .materials import MaterialKey, material_entry
 from .motors import HEADS, MountedMotorKey, engagement_check, face_of, motor_plate, mounted_motor_entry
 
 # Smallest diameter of a hole, mm. No cutter makes a smaller one.

@@ -23,13 +23,13 @@ from ..core.fields import (
 from ..core.records import record
 from ..core.units import bare_mm, mm
 from ..model.check import Check, Suggestion
-from ..model.material import NamedIn
 from ..model.motor import RPM, Motor, MotorDuty
 from ..model.part import HoleFit, Part
 from ..model.scene import SceneBody
 from ..plane.primitives import Circle, rounded_hull
 from ..plane.vec import Complex
 from .fasteners import LENGTHS, SIZES, ThreadDiameter
+from .materials import NamedIn
 
 # Least margin of a motor that `smallest_motor` chooses, for friction and loads that are not stated; chosen here.
 LEAST_MOTOR_MARGIN = 1.5

@@ -21,14 +21,13 @@ from ..core.names import PathName
 from ..core.processes import Runner, by
 from ..core.processes import report as report_progress
 from ..core.records import record
-from ..export.files import write_whole
+from ..export.summary import write_whole
 from ..model.check import Check
 from ..recipe.keys import VariedRecipe, varied
 from ..recipe.load import shown_numbers, to_toml
 from ..recipe.recipe import AbstractRecipe
 from .designs import NO_VIOLATION, Target, Trials, TriedDesign, objective, parsed_constraint
-from .front import MOST_OBJECTIVES, FrontDesign, ParetoFront, front_of, write_front
-from .search import Box, search
+from .search import MOST_OBJECTIVES, Box, FrontDesign, ParetoFront, front_of, search, write_front
 
 # Largest number of combinations of whole numbers, each of which is searched.
 MOST_COMBINATIONS = 10_000

@@ -18,9 +18,8 @@ from ..core.names import Folder, read_text_file
 from ..core.records import record
 from ..core.units import MM, UNITS, LengthUnit, marked, mm
 from .kinds import kind_names, recipe_class
-from .messages import did_you_mean, field_of
 from .printing import growth
-from .reader import read_table
+from .reader import did_you_mean, field_of, read_table
 from .recipe import FITS, AbstractRecipe, is_stock
 from .settings import kerf
 from .toml import LARGEST, parsed, table_of, toml_key, toml_value, without_none
@@ -178,7 +177,7 @@ def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = "
     try:
         kind = recipe_class(name if isinstance(name, str) else "")
     except KeyError:
-        from .messages import nearest_kind
+        from .reader import nearest_kind
 
         id: ProblemId = "unknown-kind" if "kind" in data else "missing-key"
         kinds = kind_names()

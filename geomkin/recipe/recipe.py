@@ -25,8 +25,8 @@ from ..model.part import Bought, Part
 from ..model.scene import Candidate, Scene
 from ..model.table import Table
 from ..plane.vec import Real
+from .aspect import AbstractEdited, AbstractPlaced
 from .printing import PRINT_IN_PLACE, Printing, apply_clearance, gap_check
-from .questions import AbstractEdited, AbstractPlaced
 from .settings import Files, OptimiseTable
 
 # Properties of recipes that hold sentences.

@@ -16,7 +16,7 @@ from ..core.fields import Coordinate, allowed
 from ..core.names import LONGEST
 from .kinds import ENTRY_POINTS, kind_names, recipe_class
 from .load import plain_value, short_table, table_lines
-from .messages import did_you_mean
+from .reader import did_you_mean
 from .recipe import SHARED, AbstractRecipe
 from .toml import toml_value
 

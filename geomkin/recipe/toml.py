@@ -33,7 +33,7 @@ def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
         raise _whole(file, "it nests too deep", "give tables at most three deep", "invalid-toml") from None
     except ValueError as error:
         # Imported only for errors, here and below.
-        from .messages import toml_mistake
+        from .reader import toml_mistake
 
         mistake = toml_mistake(text, str(error))
         if mistake:

@@ -22,7 +22,7 @@ from ..core.records import record
 from ..model.check import Check
 from ..plane.vec import Real
 from ..recipe.keys import VariedRecipe
-from ..recipe.messages import did_you_mean
+from ..recipe.reader import did_you_mean
 from ..recipe.recipe import AbstractRecipe
 from ..recipe.shown import ShownRecipe
 

@@ -25,7 +25,7 @@ from ..core.processes import Runner, by, by_this_process
 from ..core.processes import report as report_progress
 from ..core.records import record
 from ..core.version import __version__
-from ..export.files import system_errors_as_file_errors, write_whole
+from ..export.summary import system_errors_as_file_errors, write_whole
 from ..export.tables import csv
 from ..export.text import capital, number, text
 from ..model.check import Check

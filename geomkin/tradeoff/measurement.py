@@ -23,9 +23,8 @@ from ..core.records import record
 from ..core.version import __version__
 from ..plane.vec import Mask
 from .breaking import CELLS
-from .cell import ANSWERS, Digits, answered, measured_digits
 from .families import FAMILIES
-from .family import Method, MethodFamily
+from .family import ANSWERS, Digits, Method, MethodFamily, answered, measured_digits
 
 # Processor seconds for each point of a full chart, and for all points of a family in a quick one. With less time the
 # least of the batches still falls; more changes no reported digit.

@@ -12,7 +12,7 @@ import numpy as np
 from ..core.errors import printable
 from ..core.records import record
 from ..core.units import mm
-from ..export.lettering import lettered
+from ..export.text import lettered
 from ..model.machinability import relieved
 from ..model.part import Part
 from ..plane.region import Edges, containers, gap, is_simple, offset, overlapping

@@ -7,7 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.tradeoff.breaking import CELLS
-from geomkin.tradeoff.cell import ANSWERS, answered, measured_digits
+from geomkin.tradeoff.family import ANSWERS, answered, measured_digits
 from tests.tradeoff import kept
 
 every_cell = pytest.mark.parametrize("cell", CELLS, ids=lambda cell: cell.name)

@@ -17,9 +17,8 @@ from ...core.names import Folder
 from ...core.records import record
 from ...core.units import mm
 from ...plane.vec import Real, Whole
-from .extrema import SegmentPeaks, highest
 from .given_lifts import TableFit, read_lifts, spline_through
-from .laws import Ends, Law, breaks_of, law_of, polynomial_from
+from .laws import Ends, Law, SegmentPeaks, breaks_of, highest, law_of, polynomial_from
 from .optimise import OptimalLaw, optimal_polynomial, optimal_spline
 from .placed_segments import SLIP, PlacedSegment, band, errors_named_by_segment, place_segments
 from .segments import Dwell, LiftPolynomial, LiftTable, OptimisedPolynomial, OptimisedSpline, Return, Rise, Segment

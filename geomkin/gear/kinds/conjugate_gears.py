@@ -16,8 +16,9 @@ from ...core.records import record
 from ...core.units import bare_mm, mm
 from ...making.assembly import PLAY, Assembly, BaseStock
 from ...making.attachments import Attachment
+from ...making.materials import STEEL_DENSITY
 from ...model.check import Check
-from ...model.material import STEEL_DENSITY, Mass
+from ...model.material import Mass
 from ...model.part import Part
 from ...model.scene import Scene, SceneHandle
 from ...model.table import Table

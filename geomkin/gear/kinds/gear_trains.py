@@ -17,8 +17,8 @@ from ...core.fields import Ratio, entry, quantity, to_digits
 from ...core.records import record
 from ...core.units import mm
 from ...making.assembly import Assembly, BaseStock
+from ...making.materials import MATERIALS
 from ...model.check import Check
-from ...model.material import MATERIALS
 from ...model.motor import RotatingBody
 from ...model.part import Part
 from ...model.scene import Plot, Scene, SceneBody, SceneCurve, SceneHandle, circle_handle, dimension, point_handle
@@ -28,9 +28,8 @@ from ...plane.primitives import Circle
 from ...plane.vec import Pose, Real
 from ...recipe.recipe import Additions, assembly_summary
 from ...recipe.settings import Files
-from ..checks import gear_checks, mesh_checks
+from ..checks import TrainLoads, TrainStrength, gear_checks, mesh_checks
 from ..cutters import LARGEST
-from ..output_loads import TrainLoads, TrainStrength
 from ..parts import GearStock
 from ..parts_train import ArborStock, TrainStocks, arbor_check, train_assembly, train_parts
 from ..scene import (

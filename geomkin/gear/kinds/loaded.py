@@ -13,13 +13,13 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import to_digits
 from ...core.records import record
+from ...making.materials import MATERIALS
 from ...model.check import Check
-from ...model.material import MATERIALS, Material
+from ...model.material import Material
 from ...model.table import Column, Table
 from ...recipe.aspect import AbstractAspect
 from ...recipe.composed import AbstractComposedRecipe
-from ..checks import strength_checks
-from ..output_loads import RackStrength, TrainStrength
+from ..checks import RackStrength, TrainStrength, strength_checks
 from ..strength import AbstractMeshStrength, LoadFactors, PairStrength, PlanetaryStrength, pressure_column
 from .helical import backlash_remarks
 

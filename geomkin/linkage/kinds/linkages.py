@@ -14,9 +14,10 @@ from ...core.units import UNITS
 from ...gear.checks import mesh_checks
 from ...gear.kinds.helical import gear_notes, mesh_notes
 from ...making.attachments import hub_thickness
+from ...making.materials import MATERIALS
 from ...making.motors import engagement_check
 from ...model.check import Check
-from ...model.material import MATERIALS, Mass
+from ...model.material import Mass
 from ...model.motor import RotatingBody
 from ...model.part import Part
 from ...model.scene import Limit, Scene, SceneHandle

@@ -18,8 +18,9 @@ from ...core.units import Sentence, mm, sentences
 from ...making.assembly import Bill, glue_bill, shaft_bill
 from ...making.bores import fits_of
 from ...making.fasteners import Fastener, PinPlace, SnapPin, alike, gathered, pin_parts
+from ...making.materials import STEEL_DENSITY
 from ...making.motors import fixed_under
-from ...model.material import STEEL_DENSITY, Mass
+from ...model.material import Mass
 from ...model.part import Bought, Part
 from ...model.scene import layer_name
 from ...plane.primitives import Circle, rounded_hull

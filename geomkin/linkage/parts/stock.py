@@ -15,8 +15,8 @@ from ...making.attachments import Attachment, attachments_entry
 from ...making.bores import AbstractBored, fit_entry, interference
 from ...making.bores import clearance as wider
 from ...making.fasteners import Fastener, SnapPin, ThreadDiameter, fastener_of
+from ...making.materials import MaterialKey, material_entry
 from ...making.motors import MountedMotorKey, face_of, mounted_motor_entry
-from ...model.material import MaterialKey, material_entry
 from ...model.part import Fit, IsoFit, fit_limits
 
 # Largest number of plates between a motor and the ground. More would use up the length of most shafts.

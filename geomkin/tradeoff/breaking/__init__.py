@@ -1,10 +1,11 @@
-"""Where methods fail: cells of the stability study, a file of them for each kind of mechanism."""
+"""Where methods fail: cells of the stability study."""
 
 from __future__ import annotations
 
-from ..cell import Cell
-from . import cams as cams
-from . import gears as gears
+from ..family import Cell
+from . import cams_and_gears as cams_and_gears
 from . import linkages as linkages
 
-CELLS: tuple[Cell, ...] = (*linkages.CELLS, *linkages.POSE_CELLS, *cams.CELLS, *gears.CELLS)
+CELLS: tuple[Cell, ...] = (
+    *linkages.CELLS, *linkages.POSE_CELLS, *cams_and_gears.CAM_CELLS, *cams_and_gears.GEAR_CELLS,
+)  # fmt: skip

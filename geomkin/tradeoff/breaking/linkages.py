@@ -17,7 +17,7 @@ from ...linkage.named_linkages import FourBar, InvertedSliderCrank, SliderCrank
 from ...linkage.six_bars import StephensonSixBar
 from ...synthesis.guidance.dyads import dyads_through
 from ...synthesis.guidance.poses import circle_of_sliders, poles
-from ..cell import Cell, Sizes, for_each
+from ..family import Cell, Sizes, for_each
 
 # Names of results with their values.
 Results = Iterator[tuple[str, Any]]

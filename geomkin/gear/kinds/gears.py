@@ -1,12 +1,13 @@
-"""Recipe of a planetary set."""
+"""Recipes of a spur gear, of a ring gear, and of a planetary set."""
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
-from typing import ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
@@ -15,9 +16,9 @@ from ...core.fields import entry, to_digits
 from ...core.records import record
 from ...core.units import mm
 from ...making.assembly import Assembly, BaseStock, collar_across
+from ...making.materials import MATERIALS
 from ...making.motors import plate_radius
 from ...model.check import Check
-from ...model.material import MATERIALS
 from ...model.motor import RotatingBody
 from ...model.part import Part
 from ...model.scene import Scene, SceneHandle
@@ -26,12 +27,16 @@ from ...plane.vec import Real, without_rounding
 from ...recipe.recipe import Additions, assembly_summary
 from ...recipe.settings import Drive, Files
 from ..checks import gear_checks, planetary_checks
-from ..contract import AbstractInvoluteGear
-from ..helix import Helix
+from ..contract import AbstractInvoluteGear, Helix
+from ..cutters import undercut_free_shift
+from ..measures import tooth_table
 from ..parts import GearStock, RingStock, gear_parts
-from ..parts_assembly import carrier, planetary_assembly, planetary_base, turns_with_shaft
+from ..parts_assembly import carrier, planetary_assembly, planetary_base, single_assembly, turns_with_shaft
 from ..planetary import MEMBERS, Member, PlanetarySet
+from ..ring import RingGear
+from ..scene import gear_handles, gear_scene
 from ..scene_pairs import planetary_handles, planetary_scene
+from ..spur import SpurGear
 from ..strength import GearLoads, PlanetaryStrength
 from .helical import (
     LEAST_EFFICIENCY,
@@ -42,13 +47,129 @@ from .helical import (
     boss_checks,
     check_tooth_points,
     friction_entry,
+    gear_notes,
     gear_quantities,
+    helix_notes,
     measuring_entry,
     mesh_notes,
     on_ring,
     tips_entry,
 )
 from .loaded import AbstractLoadedRecipe, LoadedMeshes, loaded_materials, planetary_strength_notes
+
+
+class AbstractSingleGearRecipe(AbstractHelicalRecipe):
+    """Base class of recipes of one gear."""
+
+    if TYPE_CHECKING:
+        # Declared for the type checker only, since the order of fields is that of their first declaration.
+        stock: GearStock | RingStock
+
+    @property
+    @abstractmethod
+    def design(self) -> SpurGear | RingGear:
+        """The gear's transverse section."""
+
+    @cached_property
+    def table(self) -> Table:
+        return tooth_table(self.design, self.files.tolerance)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The gear with the tool that cuts it."""
+        return gear_scene(self.design, self.parts)
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        return gear_quantities(self.design, "gear")
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        measures = gear_notes(self.design, self.helix, self.stock.thickness, self.measuring)
+        helix = helix_notes(self.design, self.helix, self.stock.thickness)
+        return {**helix, "measures_mm": measures, **assembly_summary(self)}
+
+
+@record(kw_only=True)
+class SpurGearRecipe(AbstractSingleGearRecipe):
+    """A spur gear with the root curve its rack generates: gear plate and tooth coordinates."""
+
+    kind: Literal["spur-gear"] = "spur-gear"
+    gear: SpurGear
+    shift: Literal["given", "avoid-undercut"] = entry(
+        "the gear's profile_shift as given, or the least without undercut", default="given"
+    )
+    stock: GearStock = entry("sheet and bore of the gear", default=GearStock())
+    measuring: Measuring | None = measuring_entry()
+    files: Files = entry("formats and tolerance of the files", default=Files())
+
+    @cached_property
+    def design(self) -> SpurGear:
+        """The gear with the requested profile shift."""
+        with self.naming_section():
+            gear = self.in_section(self.gear)
+            if self.shift == "given":
+                return gear
+            return replace(gear, profile_shift=undercut_free_shift(gear.teeth, gear.rack))
+
+    @property
+    def design_checks(self) -> tuple[Check, ...]:
+        return (*gear_checks(self.design, self.stock.rim_under(self.design)), *self.engagement_checks)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        check_tooth_points(self.files, [self.design.outline])
+        return *gear_parts(self.design, self.stock, helix=self.helix), *self.stock.motor_parts
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """The gear's shaft, key and collars, and the steps of assembly."""
+        return single_assembly("gear", self.stock)
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        return tuple(gear_handles(self.design, "gear", shifts=self.shift == "given"))
+
+
+@record(kw_only=True)
+class RingGearRecipe(AbstractSingleGearRecipe):
+    """An internal gear, generated by a pinion cutter: ring plate and tooth coordinates."""
+
+    additions: ClassVar[Additions] = RingAdditions()
+    kind: Literal["ring-gear"] = "ring-gear"
+    gear: RingGear
+    stock: RingStock = entry("sheet and rim of the ring", default=RingStock())
+    measuring: Measuring | None = measuring_entry()
+    files: Files = entry("formats and tolerance of the files", default=Files())
+
+    @cached_property
+    def design(self) -> RingGear:
+        """The gear's transverse section."""
+        with self.naming_section():
+            return self.in_section(self.gear)
+
+    @property
+    def design_checks(self) -> tuple[Check, ...]:
+        return gear_checks(self.design, self.stock.rim)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        check_tooth_points(self.files, [], [self.design.outline])
+        return gear_parts(self.design, self.stock, "ring", helix=self.helix)
+
+    @classmethod
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        """Screws in the rim, if attachments are requested."""
+        return on_ring(tables, "stock.attachments")
+
+    @property
+    def assembly(self) -> Assembly:
+        """Empty: the ring is the only part."""
+        return Assembly((), ())
+
+    @property
+    def handles(self) -> tuple[SceneHandle, ...]:
+        return tuple(gear_handles(self.design, "gear"))
 
 
 @record(kw_only=True)
