@@ -157,12 +157,7 @@ def _file(
 ) -> bytes:
     """The SVG file of a plot: title, axes that end at a height, curves, and a legend of so many names."""
     height, colours = below + BELOW + ROW * (names + 1) // 2, palette()
-    body = [
-        f'<text x="{LEFT}" y="20" font-size="14" font-weight="bold">{text(title)}</text>',
-        *axes,
-        *curves,
-        *legend,
-    ]
+    body = [f'<text x="{LEFT}" y="20" font-size="14" font-weight="bold">{text(title)}</text>', *axes, *curves, *legend]
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}mm" height="{WIDTH * height / WIDE:g}mm" '
         f'viewBox="0 0 {WIDE} {height:g}" style="background:#fff" font-family="DejaVu Sans, Verdana, sans-serif" '

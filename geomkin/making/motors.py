@@ -10,16 +10,7 @@ import numpy as np
 
 from ..core.arguments import ArgumentType, PositiveFloat, checked
 from ..core.errors import DesignError
-from ..core.fields import (
-    FARTHEST,
-    ComplexPoint,
-    Length,
-    entry,
-    inside,
-    quantity,
-    to_digits,
-    to_digits_or_none,
-)
+from ..core.fields import FARTHEST, ComplexPoint, Length, entry, inside, quantity, to_digits, to_digits_or_none
 from ..core.records import record
 from ..core.units import bare_mm, mm
 from ..model.check import Check, Suggestion
