@@ -170,9 +170,8 @@ def contact_travel(cam: Cam) -> tuple[float, float]:
     """
     travel = cam.follower.contact_travel(cam.program, cam.base_radius, cam.sense)
     if travel is None:
-        raise DesignError(
-            "follower", "found a roller, which has no face", "give a cam with a flat-faced follower", "wrong-type"
-        )
+        problem = "found a roller, which has no face"
+        raise DesignError("follower", problem, "give a cam with a flat-faced follower", "wrong-type")
     return travel
 
 

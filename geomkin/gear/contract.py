@@ -325,9 +325,8 @@ def check_alike(driver: AbstractInvoluteGear, module: float, pressure_angle: flo
     if abs(driver.pressure_angle - pressure_angle) > 1e-9:
         angles = np.degrees(pressure_angle), np.degrees(driver.pressure_angle)
         problem = f"found {angles[0]:g} deg, but the driving gear has {angles[1]:g} deg; they must be equal"
-        raise DesignError(
-            f"{name}.{tool}.pressure_angle_deg", problem, "give both tools the same pressure angle", "conflict"
-        )
+        remedy = "give both tools the same pressure angle"
+        raise DesignError(f"{name}.{tool}.pressure_angle_deg", problem, remedy, "conflict")
 
 
 def check_shortening(gear: AbstractInvoluteGear, by: float, addendum: float) -> None:

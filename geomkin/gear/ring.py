@@ -313,9 +313,8 @@ class RingGear(AbstractInvoluteGear):
         settle_module(self)
         tooth, z, z0 = self.tooth, self.teeth, self.cutter.teeth
         if z <= z0:
-            raise DesignError(
-                "teeth", f"found {z}, but the cutter has {z0}", f"give at least {z0 + 1}, or a smaller cutter"
-            )
+            problem = f"found {z}, but the cutter has {z0}"
+            raise DesignError("teeth", problem, f"give at least {z0 + 1}, or a smaller cutter")
         if tooth.feed.working_involute < 0:
             problem = f"found {self.profile_shift:g}, for which the cutter does not fit between the teeth"
             raise DesignError("profile_shift", problem, f"give {self._shift_remedy(tooth.feed.least_shift)}")

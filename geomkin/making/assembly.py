@@ -92,13 +92,9 @@ class BaseOpening:
     def curves(self, clearance: float) -> tuple[AbstractCurve, ...]:
         """The hole or slot, wider than the item by the clearance. Raises DesignError if it is too narrow to cut."""
         if self.diameter < SMALLEST:
-            raise DesignError(
-                self.key,
-                f"found {mm(self.diameter):g}, but the base has a hole for {self.item}",
-                f"give at least {mm(SMALLEST):up6}, or omit base",
-                "conflict",
-                SMALLEST,
-            )
+            problem = f"found {mm(self.diameter):g}, but the base has a hole for {self.item}"
+            remedy = f"give at least {mm(SMALLEST):up6}, or omit base"
+            raise DesignError(self.key, problem, remedy, "conflict", SMALLEST)
         if self.motor:
             return face_of(self.motor).holes(clearance, self.points[0])
         radius = widened(self.diameter, clearance) / 2

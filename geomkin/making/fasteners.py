@@ -258,22 +258,15 @@ def fastener_of(
     otherwise a rod. Raises DesignError if a requested screw does not meet these conditions.
     """
     if form == "screw" and not size_of(diameter):
-        raise DesignError(
-            "fastener",
-            f"found a screw, but there is no screw size of {mm(diameter):g}",
-            f'give pin_diameter as one of {THREADS}, or fastener = "rod"',
-            "conflict",
-        )
+        problem = f"found a screw, but there is no screw size of {mm(diameter):g}"
+        remedy = f'give pin_diameter as one of {THREADS}, or fastener = "rod"'
+        raise DesignError("fastener", problem, remedy, "conflict")
     screw = Fastener(diameter, "screw", play, head_height)
     is_too_high = max(screw.ends(thickness)) > MOST_SHEETS * thickness
     if form == "screw" and is_too_high:
         sheets = max(screw.ends(thickness)) / thickness
-        raise DesignError(
-            "fastener",
-            f"found a screw, whose nut is as high as {sheets:.0f} sheets; the limit is {MOST_SHEETS}",
-            'give a thicker sheet, a thinner pin, or fastener = "rod"',
-            "conflict",
-        )
+        problem = f"found a screw, whose nut is as high as {sheets:.0f} sheets; the limit is {MOST_SHEETS}"
+        raise DesignError("fastener", problem, 'give a thicker sheet, a thinner pin, or fastener = "rod"', "conflict")
     fits = size_of(diameter) is not None and not is_too_high
     return Fastener(diameter, form or ("screw" if fits else "rod"), play, head_height)
 

@@ -366,9 +366,8 @@ class Part:
     def __post_init__(self) -> None:
         check_names("name", [self.name], "a part")
         if len(self.fits) > len(self.holes):
-            raise DesignError(
-                "fits", f"found {len(self.fits)} for {len(self.holes)} holes", "give one for each hole", "conflict"
-            )
+            problem = f"found {len(self.fits)} for {len(self.holes)} holes"
+            raise DesignError("fits", problem, "give one for each hole", "conflict")
 
     def _repr_svg_(self) -> str | None:
         return still_picture(self, (self.outline, *self.holes), self.marks)

@@ -331,9 +331,8 @@ def _own_values(source: VariedRecipe, ranges: Mapping[str, tuple[float, float]])
             given = given[part] if isinstance(part, int) or part in given else {}
         # A key that is left out may have no value.
         if key not in numbers and given != {}:
-            raise DesignError(
-                key, f"found {shown(given)}, which is not a number", "give a key of a number", "wrong-type"
-            )
+            problem = f"found {shown(given)}, which is not a number"
+            raise DesignError(key, problem, "give a key of a number", "wrong-type")
         value = numbers.get(key, (low + high) / 2)
         own[key] = value if isinstance(value, int) else float(min(max(value, low), high))
     return own

@@ -244,9 +244,8 @@ def kind_package(kind: str) -> dict[str, bytes]:
         remedy = (
             f"give a new name of at most {LONGEST} small letters and digits, in words joined by -, such as geneva-drive"
         )
-        raise DesignError(
-            "KIND", f"found {shown(kind)}", remedy, "conflict" if kind in kind_names() else "out-of-range"
-        )
+        problem = f"found {shown(kind)}"
+        raise DesignError("KIND", problem, remedy, "conflict" if kind in kind_names() else "out-of-range")
     module = f"geomkin_{kind.replace('-', '_')}"
     source = files(__package__).joinpath("example_kind.py").read_text("utf-8")
     words = {"kind": kind, "module": module, "group": ENTRY_POINTS}

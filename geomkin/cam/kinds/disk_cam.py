@@ -225,9 +225,8 @@ class AbstractCamRecipe(AbstractComposedRecipe):
         if speed < 0:
             other = "counterclockwise" if self.cam.direction == "clockwise" else "clockwise"
             remedy = f'give {-speed:g}, and direction = "{other}" in [cam]'
-            raise DesignError(
-                "drive.speed_rpm", f"found {speed:g}; cam.direction sets the direction instead", remedy, "out-of-range"
-            )
+            problem = f"found {speed:g}; cam.direction sets the direction instead"
+            raise DesignError("drive.speed_rpm", problem, remedy, "out-of-range")
         self.drive.check_rows()
         for aspect in self.aspects:
             aspect.check()

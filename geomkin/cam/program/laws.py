@@ -312,15 +312,13 @@ def law_of(law: LawName | Law) -> Law:
     x = edges[:-1, None] + step[:, None] * (nodes + 1) / 2
     inside, ends = np.asarray(law(x), dtype=float), np.asarray(law(edges), dtype=float)
     if inside.shape != (4, *x.shape) or ends.shape != (4, *edges.shape):
-        raise DesignError(
-            "law", f"it returns the shape {inside.shape} for {x.shape}", "return f, f', f'', f''' stacked", "wrong-type"
-        )
+        problem = f"it returns the shape {inside.shape} for {x.shape}"
+        raise DesignError("law", problem, "return f, f', f'', f''' stacked", "wrong-type")
     if not (np.isfinite(inside).all() and np.isfinite(ends).all()):
         raise DesignError("law", "it is not finite everywhere in 0 to 1", "give finite derivatives", "not-finite")
     if abs(ends[0, 0]) > TRUST or abs(ends[0, -1] - 1) > TRUST:
-        raise DesignError(
-            "law", f"it runs from {ends[0, 0]:g} to {ends[0, -1]:g}", "make it run from 0 to 1", "out-of-range"
-        )
+        problem = f"it runs from {ends[0, 0]:g} to {ends[0, -1]:g}"
+        raise DesignError("law", problem, "make it run from 0 to 1", "out-of-range")
     for k in range(3):
         # At a jump the law returns the values of the piece after it, so steps that end there are checked for f only.
         last = np.isin(edges[1:], breaks[1:-1]) & (k > 0)

@@ -123,9 +123,8 @@ def _optimal(
     if isinstance(segment, OptimisedSpline):
         optimum = optimal_spline(segment.intervals, rise / size, first, last, segment.jerk_limit)
     elif segment.match_jerk and segment.degree < 7:
-        raise DesignError(
-            "degree", f"found {segment.degree}, too low to match the jerk", "give at least 7", "out-of-range"
-        )
+        problem = f"found {segment.degree}, too low to match the jerk"
+        raise DesignError("degree", problem, "give at least 7", "out-of-range")
     else:
         optimum = optimal_polynomial(segment.degree, rise / size, first, last, segment.jerk_limit)
     unit = np.radians(1) if placed.oscillates else 1.0
@@ -215,9 +214,8 @@ class Program:
 
     def __post_init__(self) -> None:
         if not isinstance(self.segments, (tuple, list)):
-            raise DesignError(
-                "segments", f"found {shown(self.segments)}", "give a list of segments, such as Dwell", "wrong-type"
-            )
+            problem = f"found {shown(self.segments)}"
+            raise DesignError("segments", problem, "give a list of segments, such as Dwell", "wrong-type")
         if not isinstance(self.folder, (str, Path, Mapping, type(None))):
             raise DesignError("folder", f"found {shown(self.folder)}", "give the path of a folder", "wrong-type")
         # Raises for inconsistent segments.

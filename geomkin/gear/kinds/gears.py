@@ -202,9 +202,8 @@ class PlanetaryRecipe(AbstractHelicalRecipe, AbstractLoadedRecipe):
         sun, planet, ring = self.sun_stock.thickness, self.planet_stock.thickness, self.ring_stock.thickness
         self.check_faces({"sun_stock": sun, "planet_stock": planet, "ring_stock": ring})
         if self.planet_stock.motor is not None:
-            raise DesignError(
-                "planet_stock.motor", "found a motor for the planets", "give sun_stock.motor instead", "conflict"
-            )
+            problem = "found a motor for the planets"
+            raise DesignError("planet_stock.motor", problem, "give sun_stock.motor instead", "conflict")
         if self.sun_stock.motor is not None and self.driver != "sun":
             problem = f"found a motor for the sun, but the {self.driver} drives"
             raise DesignError("sun_stock.motor", problem, 'omit it, or give driver = "sun"', "conflict")

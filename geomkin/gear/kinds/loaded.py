@@ -124,9 +124,8 @@ def loaded_materials(**stocks: Material | None) -> tuple[Material, ...]:
     for key, material in stocks.items():
         if material is None:
             problem = "is missing, and the strength under [loads] depends on it"
-            raise DesignError(
-                f"{key}.material", problem, f"give {' or '.join(MATERIALS)}, or omit loads", "missing-key"
-            )
+            remedy = f"give {' or '.join(MATERIALS)}, or omit loads"
+            raise DesignError(f"{key}.material", problem, remedy, "missing-key")
     return tuple(material for material in stocks.values() if material is not None)
 
 
