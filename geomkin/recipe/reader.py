@@ -12,8 +12,8 @@ from ..core.arguments import PLAIN, ArgumentType, found_value, is_endless, numbe
 from ..core.errors import MOST_SHOWN, DesignError, Problem, ProblemId, printable, shown
 from ..core.field_visitor import ROWS, DeclaredField, TypeShape, fields_of, item_shape, key_parts, kind_of
 from ..core.fields import Coordinate, allowed, point_of, quantity_fits, refusal_id
-from ..core.names import Folder, is_visible
-from ..core.units import PLURAL, marked, unit_name
+from ..core.names import Folder, is_name
+from ..core.units import PLURAL, START, marked, unit_name
 
 NUMBER = re.compile(r"\s*([+-]?(?:\d[\d_]*[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_]{0,12}|°|%|\"|')\s*")
 # One `key = value` of a line, if the value is neither a text, a list nor a table.
@@ -23,7 +23,7 @@ LONGEST_LINE = 1000
 WORD = re.compile(r"[^\W_]+")
 # Topics that recipes do not cover, and the words in unknown keys that refer to each.
 UNSUPPORTED = {
-    "friction and wear": "friction wear efficiency lubrication lubricant damping",
+    "friction and wear": "friction wear efficiency efficiencies lubrication lubricant damping",
     "strength and deformation": "stress stresses strength hardness fatigue stiffness deflection",
     "forces, torques and power": "force forces torque torques load loads payload power gravity weight mass inertia",
     "springs": "spring springs",
@@ -149,6 +149,21 @@ def _unsupported(key: object) -> str:
     return next((topic for topic, signs in UNSUPPORTED.items() if words & set(signs.split())), "")
 
 
+def _nearest_of(topic: str, recipe: type) -> str:
+    """The start of a remedy that names the key of a recipe that covers a topic; "" if it has none."""
+    for word in UNSUPPORTED[topic].split():
+        if word in fields_of(recipe):
+            return f"nearest to it is {word}, above the first [table]; "
+        if headings := _homes(recipe, word):
+            return f"nearest to it is {word} under {headings[0][0]}; "
+    return ""
+
+
+def of_default(problem: str) -> str:
+    """A problem of a key that was not written: it was found to have its default."""
+    return re.sub(rf"^found (?=[-+\d{START}])", "found the default of ", marked(problem))
+
+
 def unknown_key(name: str, key: str, table: type, recipe: type, is_shown: bool) -> Problem:
     """The problem of a key that a table does not have. Similar names are only searched for if the problem is shown."""
     known = list(fields_of(table))
@@ -172,7 +187,8 @@ def unknown_key(name: str, key: str, table: type, recipe: type, is_shown: bool) 
     elif (is_load or name == "loads") and not near and "mechanisms" in fields_of(recipe):
         near = "it belongs in the recipe of a mechanism, under [mechanisms.NAME.recipe.loads]; "
     elif not near and (topic := _unsupported(name)):
-        problem = f"unknown key: recipes of this kind do not cover {topic}"
+        near = _nearest_of(topic, recipe)
+        problem = problem if near else f"unknown key: recipes of this kind do not cover {topic}"
     return Problem(key, problem, near + remedy, "unknown-key")
 
 
@@ -344,13 +360,14 @@ class _TableReader:
                 inner = _inside(key, printable(name, 60) or '""')
                 self.problems.append(unknown_key(str(name), inner, table, self.recipe, len(self.problems) < MOST_SHOWN))
                 values[name] = WRONG
-        return WRONG if any(value is WRONG for value in values.values()) else self.made(table, values, key)
+        return WRONG if any(value is WRONG for value in values.values()) else self.made(table, values, key, given)
 
-    def made(self, table: type, values: Mapping[str, Any], key: str) -> Any:
+    def made(self, table: type, values: Mapping[str, Any], key: str, given: Mapping[str, Any]) -> Any:
         try:
             return table(**values)
         except DesignError as error:
-            return self.refuse_by(error, key)
+            problem = error.problem if _is_written(given, error.field) else of_default(error.problem)
+            return self.refuse_by(DesignError(error.field, problem, error.remedy, error.id, error.value), key)
 
     def missing(self, key: str, declared: DeclaredField) -> Any:
         choices = " or ".join(map(str, declared.shape.choices))
@@ -390,7 +407,7 @@ class _TableReader:
             if isinstance(given, option):
                 return given
             rows = self.value(given, fields_of(option)[ROWS].shape, key, declared)
-            return rows if rows is WRONG else self.made(option, {ROWS: rows, "folder": self.folder}, key)
+            return rows if rows is WRONG else self.made(option, {ROWS: rows, "folder": self.folder}, key, {ROWS: rows})
         if tables:
             return self.table(given, tables, key, declared)
         if option is complex:
@@ -400,6 +417,8 @@ class _TableReader:
             return self.number(given, option, shape.mark or PLAIN[option], key, declared)
         if option is bool and not isinstance(given, bool):
             return self.refuse(key, f"found {shown(given)}", f"give true or false: {allowed_value(declared.about)}")
+        if option is str and isinstance(given, str) and not given.strip() and declared.default != "":
+            return self.wrong(given, key, declared, "out-of-range")
         return given if isinstance(given, option) else self.wrong(given, key, declared)
 
     def choice(self, given: Any, choices: Sequence[Any], key: str) -> Any:
@@ -452,8 +471,8 @@ class _TableReader:
         keys = {name: _inside(key, printable(name, 60) or '""') for name in given}
         values = {name: self.value(item, item_shape(hint), keys[name], declared) for name, item in given.items()}
         for name in given:
-            if not is_visible(name):
-                problem = f"has the key {shown(name)}, with a sign that is not visible"
+            if not is_name(name):
+                problem = f"has the key {shown(name)}, which is empty or has a sign that is not visible"
                 values[name] = self.refuse(key, problem, "give keys of visible signs", "out-of-range")
         return WRONG if any(value is WRONG for value in values.values()) else values
 
@@ -461,6 +480,17 @@ class _TableReader:
 def _inside(key: str, name: str) -> str:
     """The dotted key of a name in a table."""
     return f"{key}.{name}" if key else name
+
+
+def _is_written(given: Any, field: str) -> bool:
+    """Whether a table has the key of a field; also if the field is in a row, or is no key."""
+    for name in field.split("."):
+        if not isinstance(given, Mapping) or "[" in name:
+            return True
+        if name not in given:
+            return False
+        given = given[name]
+    return True
 
 
 def _found(given: Any, declared: DeclaredField) -> str:
