@@ -66,7 +66,7 @@ KINDS_BY_GROUP.update({
         "geneva": "geomkin.geneva.kinds:GenevaRecipe",
     },
     "ratchets": {
-        "ratchet": "geomkin.ratchet.kinds.ratchet:RatchetRecipe",
+        "ratchet": "geomkin.ratchet.kinds:RatchetRecipe",
     },
     "belts and chains": {
         "belt-drive": "geomkin.belt.kinds:BeltDriveRecipe",
