@@ -335,11 +335,7 @@ def in_mm(table: Mapping[str, Any], kind: type, unit: LengthUnit) -> dict[str, A
 
 def from_mm(table: Mapping[str, Any], kind: type, unit: LengthUnit) -> dict[str, Any]:
     """The reverse; recipes in the table are already in this unit, which they need not state."""
-
-    def inner_recipe(inner: Mapping[str, Any]) -> dict[str, Any]:
-        return {key: value for key, value in inner.items() if key != "units"}
-
-    return _converted(table, kind, unit.in_digits, inner_recipe)
+    return _converted(table, kind, unit.in_digits, lambda inner: {k: v for k, v in inner.items() if k != "units"})
 
 
 def _converted(

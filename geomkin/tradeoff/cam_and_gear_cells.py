@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from ...cam.base_circle import least_base_circle
-from ...cam.cam import Cam
-from ...cam.followers.flat import OscillatingFlat, TranslatingFlat
-from ...cam.followers.roller import OscillatingRoller, TranslatingRoller
-from ...cam.program.program import Program
-from ...cam.program.segments import Dwell, Return, Rise
-from ...gear.cutters import RackCutter
-from ...gear.pair import GearPair
-from ...gear.spur import SpurGear
-from ..family import Cell, Sizes, for_each
+from ..cam.base_circle import least_base_circle
+from ..cam.cam import Cam
+from ..cam.followers.flat import OscillatingFlat, TranslatingFlat
+from ..cam.followers.roller import OscillatingRoller, TranslatingRoller
+from ..cam.program.program import Program
+from ..cam.program.segments import Dwell, Return, Rise
+from ..gear.cutters import RackCutter
+from ..gear.pair import GearPair
+from ..gear.spur import SpurGear
+from .family import Cell, Sizes, for_each
 
 # Names of results with their values.
 Results = Iterator[tuple[str, Any]]
