@@ -16,16 +16,15 @@ from .core.names import PathName, file_name_flaw
 from .core.records import record
 from .core.units import UNITS
 from .export.cut import LayerStyles
-from .export.files import remove, write_whole
 from .export.formats import WRITERS, format_of, tail_of
 from .export.job import Job, StaticSource
-from .export.summary import CERTIFICATE, FOUND, NAME, Stamp, listed_files, recipe_hash, summary
+from .export.summary import CERTIFICATE, FOUND, NAME, Stamp, listed_files, recipe_hash, remove, summary, write_whole
 from .model.check import Check
 from .model.part import Part
 from .model.table import Table
 from .recipe import load as reading
 from .recipe.load import to_toml
-from .recipe.messages import of_default
+from .recipe.reader import of_default
 from .recipe.recipe import SHARED, AbstractGoal, AbstractRecipe
 from .recipe.settings import Files, Format
 from .recipe.shown import ShownRecipe
@@ -273,7 +272,7 @@ def index(out: PathName = "out") -> dict[Path, int]:
     # Imported here, since a run of a single recipe needs no index.
     from .page.cards import index_page
     from .recipe.kinds import all_kinds, recipe_class
-    from .recipe.messages import other_names
+    from .recipe.search import other_names
 
     kinds = {kind: (row.group, recipe_class(kind).about(), other_names(kind)) for kind, row in all_kinds().items()}
     contents = index_page(folder, kinds)

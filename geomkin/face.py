@@ -47,12 +47,12 @@ KINDS_BY_GROUP.update({
         "conjugate-cams": "geomkin.cam.kinds.conjugate_cams:ConjugateCamsRecipe",
     },
     "gears": {
-        "spur-gear": "geomkin.gear.kinds.single_gears:SpurGearRecipe",
-        "ring-gear": "geomkin.gear.kinds.single_gears:RingGearRecipe",
+        "spur-gear": "geomkin.gear.kinds.gears:SpurGearRecipe",
+        "ring-gear": "geomkin.gear.kinds.gears:RingGearRecipe",
         "gear-pair": "geomkin.gear.kinds.gear_pairs:GearPairRecipe",
         "internal-gear-pair": "geomkin.gear.kinds.gear_pairs:InternalGearPairRecipe",
         "rack-and-pinion": "geomkin.gear.kinds.gear_pairs:RackAndPinionRecipe",
-        "planetary": "geomkin.gear.kinds.planetary:PlanetaryRecipe",
+        "planetary": "geomkin.gear.kinds.gears:PlanetaryRecipe",
         "gear-train": "geomkin.gear.kinds.gear_trains:GearTrainRecipe",
         "straight-sided-gears": "geomkin.gear.kinds.conjugate_gears:StraightSidedGearsRecipe",
         "point-tooth-gears": "geomkin.gear.kinds.conjugate_gears:PointToothGearsRecipe",
@@ -66,7 +66,7 @@ KINDS_BY_GROUP.update({
         "geneva": "geomkin.geneva.kinds:GenevaRecipe",
     },
     "ratchets": {
-        "ratchet": "geomkin.ratchet.kinds.ratchet:RatchetRecipe",
+        "ratchet": "geomkin.ratchet.kinds:RatchetRecipe",
     },
     "belts and chains": {
         "belt-drive": "geomkin.belt.kinds:BeltDriveRecipe",

@@ -16,7 +16,7 @@ from geomkin.build import check_recipe
 from geomkin.core.errors import Problem
 from geomkin.recipe.kinds import kind_names
 from geomkin.recipe.load import plain_table
-from geomkin.recipe.messages import ALSO_KNOWN_AS, ENDINGS, FILLERS, NOT_OFFERED, STEM, did_you_mean, nearest_kind
+from geomkin.recipe.search import ALSO_KNOWN_AS, ENDINGS, FILLERS, NOT_OFFERED, STEM, did_you_mean, nearest_kind
 
 GALLERY = Path(__file__).parent.parent / "recipes"
 PAIR = str(Path(__file__).parent / "cases/pair-without-backlash.toml")

@@ -109,9 +109,8 @@ class Cam:
         """
         knife = self.follower.knife_edge
         if knife is None:
-            raise DesignError(
-                "follower", "a cam with a flat-faced follower has no pitch curve", "use the profile instead", "conflict"
-            )
+            problem = "a cam with a flat-faced follower has no pitch curve"
+            raise DesignError("follower", problem, "use the profile instead", "conflict")
         # The roller's centre is a knife edge on the prime circle.
         return Profile(knife, self.program, self.prime_radius, self.sense)
 

@@ -68,7 +68,7 @@ def explain(words: tuple[str, ...]) -> None:
     """
     from ..core.errors import harmless, printable
     from ..model.explanations import CHECKS, REFUSALS, TERMS, explained
-    from ..recipe.messages import did_you_mean
+    from ..recipe.search import did_you_mean
 
     text = " ".join(words)
     # A term may have several words; otherwise each word is an id.
@@ -89,7 +89,7 @@ def import_command(file: Path) -> None:
     FILE is JSON of pylinkage, a text file with a link that PMKS+ shares, or a .linkage2 file. What is not understood is
     refused by name.
     """
-    from ..foreign.reading import imported
+    from ..foreign.programs import imported
 
     with ended_if_refused(file):
         click.echo(imported(file), nl=False)
@@ -105,7 +105,7 @@ def examples_command(words: tuple[str, ...]) -> None:
     """
     from ..core.errors import harmless, printable
     from ..recipe.kinds import gallery
-    from ..recipe.messages import other_names, wished
+    from ..recipe.search import other_names, wished
 
     folder, recipes = gallery()
     texts = {
@@ -131,7 +131,7 @@ def list_command(words: tuple[str, ...]) -> None:
     """
     from ..core.errors import harmless, printable
     from ..recipe.kinds import all_kinds, gallery, recipe_class
-    from ..recipe.messages import nearest_kind, other_names, wished
+    from ..recipe.search import nearest_kind, other_names, wished
 
     groups: dict[str, list[tuple[str, str]]] = {}
     for kind, row in all_kinds().items():
@@ -173,7 +173,7 @@ def new(name: str, options: tuple[str, ...]) -> None:
     try:
         recipe = recipe_class(name)
     except KeyError:
-        from ..recipe.messages import nearest_kind
+        from ..recipe.search import nearest_kind
 
         folder, recipes = gallery()
         if f"{name}.toml" in recipes and not options:

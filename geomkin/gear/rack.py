@@ -84,9 +84,8 @@ class GearRack(AbstractGear):
         if self._tip < 0:
             most = self.tooth_thickness_allowance + 2 * self.module * self._tip
             if most <= 0:
-                raise DesignError(
-                    "rack.addendum", "the flanks meet below the tips", "give a rack with a smaller addendum"
-                )
+                problem = "the flanks meet below the tips"
+                raise DesignError("rack.addendum", problem, "give a rack with a smaller addendum")
             problem = f"found {mm(self.tooth_thickness_allowance):g}, for which the teeth are pointed"
             remedy = f"give at most {bare_mm(float(inside(most, 1, 6))):down6}"
             raise DesignError("tooth_thickness_allowance", problem, remedy, value=inside(most, 1, 6))

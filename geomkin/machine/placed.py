@@ -15,8 +15,7 @@ from ..model.part import Part
 from ..model.scene import Plot, Scene, SceneBody, SceneHandle
 from ..model.table import Column, Table
 from ..plane.vec import Complex, Real
-from ..recipe.aspect import ShaftPlacement
-from ..recipe.questions import layer_heights
+from ..recipe.aspect import ShaftPlacement, layer_heights
 from ..recipe.recipe import AbstractRecipe
 
 # Units of the columns that a machine's table takes from those of its mechanisms. Rates are those of another speed.

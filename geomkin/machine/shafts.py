@@ -14,7 +14,7 @@ from ..core.errors import DesignError, shown
 from ..core.records import record
 from ..model.motor import RotatingBody
 from ..plane.vec import Real
-from ..recipe.messages import did_you_mean
+from ..recipe.search import did_you_mean
 
 # Rows over the period: the fewest, the most, and those of a turn of the fastest crank or cam. A page shows no more rows
 # than the most; with fewer for a turn a crank jumps.

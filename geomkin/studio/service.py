@@ -21,8 +21,8 @@ from ..export.job import Job
 from ..export.scene_svg import animation, assembly_picture
 from ..recipe.kinds import KINDS, all_kinds, gallery, recipe_class
 from ..recipe.load import parse
-from ..recipe.messages import other_names
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
+from ..recipe.search import other_names
 from ..recipe.shown import ShownRecipe
 from ..recipe.template import template
 from .building import EMPTY

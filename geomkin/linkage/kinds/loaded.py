@@ -12,7 +12,7 @@ from ...core.errors import DesignError
 from ...core.fields import to_digits, to_digits_or_none
 from ...core.records import record
 from ...core.units import mm, rounded_down
-from ...making.actuators import ActuatorDuty
+from ...making.attachments import ActuatorDuty
 from ...making.motors import (
     motor_check,
     motor_summary,

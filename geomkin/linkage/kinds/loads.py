@@ -13,7 +13,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, Coordinate, PlaceOnBody, entry, quantity
 from ...core.records import record
-from ...making.actuators import ActuatorKey, actuator_entry
+from ...making.attachments import ActuatorKey, actuator_entry
 from ...making.motors import MotorKey, motor_entry
 from ...model.material import Mass
 from ...model.scene import SceneHandle, point_handle

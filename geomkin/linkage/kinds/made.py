@@ -11,9 +11,8 @@ import numpy as np
 from ...core.fields import to_digits
 from ...core.records import record
 from ...core.units import MM, LengthUnit
-from ...making.fasteners import gathered
+from ...making.fasteners import gathered, snap_checks
 from ...making.motors import MOTORS
-from ...making.snap_pins import snap_checks
 from ...model.check import Check
 from ...model.material import Mass
 from ...model.motor import Motor

@@ -17,10 +17,9 @@ from ...core.records import record
 from ...core.units import Sentence, mm, sentences
 from ...making.assembly import Bill, glue_bill, shaft_bill
 from ...making.bores import fits_of
-from ...making.fasteners import Fastener, gathered
+from ...making.fasteners import Fastener, PinPlace, SnapPin, alike, gathered, pin_parts
 from ...making.materials import STEEL_DENSITY
 from ...making.motors import fixed_under
-from ...making.snap_pins import PinPlace, SnapPin, alike, pin_parts
 from ...model.material import Mass
 from ...model.part import Bought, Part
 from ...model.scene import layer_name

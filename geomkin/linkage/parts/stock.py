@@ -14,11 +14,10 @@ from ...core.units import mm
 from ...making.attachments import Attachment, attachments_entry
 from ...making.bores import AbstractBored, fit_entry, interference
 from ...making.bores import clearance as wider
-from ...making.fasteners import Fastener, ThreadDiameter, fastener_of
+from ...making.fasteners import Fastener, SnapPin, ThreadDiameter, fastener_of
 from ...making.materials import MaterialKey, material_entry
 from ...making.motors import MountedMotorKey, face_of, mounted_motor_entry
-from ...making.snap_pins import SnapPin
-from ...model.limits import Fit, IsoFit, fit_limits
+from ...model.part import Fit, IsoFit, fit_limits
 
 # Largest number of plates between a motor and the ground. More would use up the length of most shafts.
 MOST_MOTOR_PLATES = 3

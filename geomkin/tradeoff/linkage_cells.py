@@ -8,16 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from ...linkage.instant.centres import instant_centre
-from ...linkage.instant.curvature import path_curvature
-from ...linkage.instant.inflection import inflection_circle
-from ...linkage.motion import Motion
-from ...linkage.moving import move
-from ...linkage.named_linkages import FourBar, InvertedSliderCrank, SliderCrank
-from ...linkage.six_bars import StephensonSixBar
-from ...synthesis.guidance.dyads import dyads_through
-from ...synthesis.guidance.poses import circle_of_sliders, poles
-from ..cell import Cell, Sizes, for_each
+from ..linkage.instant.centres import instant_centre
+from ..linkage.instant.curvature import path_curvature
+from ..linkage.instant.inflection import inflection_circle
+from ..linkage.motion import Motion
+from ..linkage.moving import move
+from ..linkage.named_linkages import FourBar, InvertedSliderCrank, SliderCrank
+from ..linkage.six_bars import StephensonSixBar
+from ..synthesis.guidance.dyads import dyads_through
+from ..synthesis.guidance.poses import circle_of_sliders, poles
+from .family import Cell, Sizes, for_each
 
 # Names of results with their values.
 Results = Iterator[tuple[str, Any]]
@@ -196,7 +196,7 @@ AMPLIFICATION = "`motion.error_amplification`"
 FOUR_BAR = moving(moved_four_bar, "coupler", "rocker")
 SIZES_OVER = (("small sizes", "sizes over 100 mm", 1), ("large sizes", "100 mm over sizes", -1))
 
-CELLS = (
+LINKAGE_CELLS = (
     *for_each(RATES, Cell(
         "four-bar", "toggle gap", "", "gap to the toggle",
         lambda x: (3.0, 1.0, 4 - x, 2.0, x**0.5), four_bar, FOUR_BAR, "all")),
