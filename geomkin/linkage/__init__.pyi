@@ -75,8 +75,8 @@ from .kinds.linkage_kinds import ShaperRecipe as ShaperRecipe
 from .kinds.linkage_kinds import SliderCrankRecipe as SliderCrankRecipe
 from .kinds.linkage_kinds import StephensonSixBarRecipe as StephensonSixBarRecipe
 from .kinds.linkage_kinds import WattSixBarRecipe as WattSixBarRecipe
-from .kinds.polygons import PolygonsRecipe as PolygonsRecipe
-from .kinds.shaking_force import ShakingForceRecipe as ShakingForceRecipe
+from .kinds.vector_diagrams import PolygonsRecipe as PolygonsRecipe
+from .kinds.vector_diagrams import ShakingForceRecipe as ShakingForceRecipe
 from .linkage import AbstractLinkage as AbstractLinkage
 from .measures import Grashof as Grashof
 from .measures import circuits as circuits

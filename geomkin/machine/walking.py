@@ -14,8 +14,7 @@ from ..core.records import record
 from ..linkage.dynamics.wrenches import NEWTON
 from ..linkage.kinds.loaded import LEAST_CARRIED
 from ..linkage.kinds.loads import CarriedMass
-from ..linkage.kinds.stance import FEWEST_FEET, UNKNOWN_STANCE, UPRIGHT, Stance, stance_with
-from ..linkage.kinds.walking import POSITIONS, Walking
+from ..linkage.kinds.stance import FEWEST_FEET, POSITIONS, UNKNOWN_STANCE, UPRIGHT, Stance, Walking, stance_with
 from ..model.check import Check
 from ..model.scene import Plot
 from ..model.table import Column

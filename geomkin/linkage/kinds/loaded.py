@@ -34,12 +34,10 @@ from ..parts.flywheel import Flywheel, flywheel_of
 from ..parts.strength import linkage_strength_checks
 from ..scene import vector_marks
 from .copies import is_whole_turn
-from .counterweights import ROUNDS, UNBALANCED, BalancedPlates, balanced_plates
-from .linkage_forces import EFFORT, AbstractLinkageForces
+from .linkage_forces import EFFORT, AbstractLinkageForces, ComparedMotor, compared_motor
+from .load_tables import ROUNDS, UNBALANCED, BalancedPlates, LinkageRun, balanced_plates, linkage_run
 from .loads import LoadsTable, number_of_columns
 from .made import MadeLinkage
-from .motor_comparison import ComparedMotor, compared_motor
-from .runs import LinkageRun, linkage_run
 
 # Least share of the weight of its parts and its motor that the feet of a walker carry, %: the forces are estimates, and
 # nothing that is carried besides the parts is known; chosen here.

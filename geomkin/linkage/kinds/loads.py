@@ -27,8 +27,7 @@ from ..linkage import Linkage
 from ..motion import Motion
 from ..parts.stock import LinkStock
 from ..scene_handles import body_point
-from .counterweights import CounterweightsTable
-from .runs import RunTable
+from .load_tables import CounterweightsTable, RunTable
 
 # Distance of the handle of a force of about 1 N from its point, as a share of the size of the linkage.
 ARROW = 0.05
