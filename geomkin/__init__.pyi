@@ -86,8 +86,6 @@ from .linkage.coupler_curve import CouplerCurve as CouplerCurve
 from .linkage.drive_limits import driver_limits as driver_limits
 from .linkage.dynamics.counterweights import balance as balance
 from .linkage.dynamics.forward import forward_dynamics as forward_dynamics
-from .linkage.dynamics.friction import PinFriction as PinFriction
-from .linkage.dynamics.friction import SlideFriction as SlideFriction
 from .linkage.dynamics.inverse import forces as forces
 from .linkage.dynamics.loads import (
     DriveTable as DriveTable,
@@ -113,8 +111,10 @@ from .linkage.dynamics.loads import (
 from .linkage.dynamics.loads import (
     TorsionSpring as TorsionSpring,
 )
+from .linkage.dynamics.wrenches import PinFriction as PinFriction
+from .linkage.dynamics.wrenches import SlideFriction as SlideFriction
 from .linkage.joints.gear_mesh import GearMesh as GearMesh
-from .linkage.joints.pin_in_slot import PinInSlot as PinInSlot
+from .linkage.joints.slide import PinInSlot as PinInSlot
 from .linkage.joints.slide import Slider as Slider
 from .linkage.linkage import Linkage as Linkage
 from .linkage.measures import least_transmission_angle as least_transmission_angle

@@ -1,9 +1,9 @@
 # The public names of this package. Each is imported when it is first used.
-from .assembly_failures import AssemblyFailure as AssemblyFailure
-from .assembly_failures import assembly_failure as assembly_failure
 from .body_motion import Body as Body
 from .body_motion import PointMotion as PointMotion
 from .body_motion import SlideMotion as SlideMotion
+from .checks import AssemblyFailure as AssemblyFailure
+from .checks import assembly_failure as assembly_failure
 from .checks import collision_check as collision_check
 from .checks import hole_check as hole_check
 from .checks import linkage_checks as linkage_checks
@@ -21,8 +21,6 @@ from .dynamics.counterweights import Balance as Balance
 from .dynamics.counterweights import balance as balance
 from .dynamics.forward import ForwardMotion as ForwardMotion
 from .dynamics.forward import forward_dynamics as forward_dynamics
-from .dynamics.friction import PinFriction as PinFriction
-from .dynamics.friction import SlideFriction as SlideFriction
 from .dynamics.inverse import ForceAnalysis as ForceAnalysis
 from .dynamics.inverse import SlideForces as SlideForces
 from .dynamics.inverse import forces as forces
@@ -39,13 +37,13 @@ from .dynamics.shaking import SliderCrankMasses as SliderCrankMasses
 from .dynamics.shaking import best_counterbalance as best_counterbalance
 from .dynamics.shaking import judged_counterbalance as judged_counterbalance
 from .dynamics.shaking import shaking_force as shaking_force
+from .dynamics.wrenches import PinFriction as PinFriction
+from .dynamics.wrenches import SlideFriction as SlideFriction
 from .instant.centres import InstantCentre as InstantCentre
 from .instant.centres import instant_centre as instant_centre
 from .instant.centres import instant_centres as instant_centres
 from .instant.centrodes import CentrodeCurve as CentrodeCurve
 from .instant.centrodes import Centrodes as Centrodes
-from .instant.components import EffectiveComponents as EffectiveComponents
-from .instant.components import effective_components as effective_components
 from .instant.curvature import DirectContact as DirectContact
 from .instant.curvature import PathCurvature as PathCurvature
 from .instant.curvature import crank_path as crank_path
@@ -57,8 +55,10 @@ from .instant.inflection import bobillier as bobillier
 from .instant.inflection import bobillier_path as bobillier_path
 from .instant.inflection import inflection_circle as inflection_circle
 from .instant.inflection import inflection_circle_of_cranks as inflection_circle_of_cranks
+from .instant.polygons import EffectiveComponents as EffectiveComponents
 from .instant.polygons import VectorPolygon as VectorPolygon
 from .instant.polygons import acceleration_polygon as acceleration_polygon
+from .instant.polygons import effective_components as effective_components
 from .instant.polygons import velocity_polygon as velocity_polygon
 from .kinds.coupler_curves import CognatesRecipe as CognatesRecipe
 from .kinds.coupler_curves import FourBarAtlasRecipe as FourBarAtlasRecipe
@@ -79,9 +79,11 @@ from .kinds.vector_diagrams import PolygonsRecipe as PolygonsRecipe
 from .kinds.vector_diagrams import ShakingForceRecipe as ShakingForceRecipe
 from .linkage import AbstractLinkage as AbstractLinkage
 from .measures import Grashof as Grashof
+from .measures import StraightPart as StraightPart
 from .measures import circuits as circuits
 from .measures import grashof as grashof
 from .measures import grashof_type as grashof_type
+from .measures import straight_part as straight_part
 from .motion import Motion as Motion
 from .motion import mechanical_advantage as mechanical_advantage
 from .motion import motion_table as motion_table
@@ -105,8 +107,6 @@ from .scene_instants import inflection_scene as inflection_scene
 from .scene_instants import polygons_scene as polygons_scene
 from .solve.continuation import Root as Root
 from .solve.continuation import newton_raphson as newton_raphson
-from .straightness import StraightPart as StraightPart
-from .straightness import straight_part as straight_part
 from .tolerance_analysis import SampledDeviations as SampledDeviations
 from .tolerance_analysis import ToleranceAnalysis as ToleranceAnalysis
 from .tolerance_analysis import tolerances as tolerances

@@ -13,9 +13,9 @@ from ..core.arguments import ArgumentType, checked, is_place
 from ..core.records import record
 from ..core.reprs import short
 from ..plane.vec import Complex, Real
+from .solve.placement import Timing
 from .solve.program import first_of, second_of
 from .solve.solution import LinkageSolution
-from .timing import Timing
 
 PointOrPoints = Annotated[
     complex | Complex, ArgumentType(lambda value: is_place(value, True), "a point x + yj, or an array of them")

@@ -13,8 +13,7 @@ from ..plane.vec import Mask, Real, dot, first_largest
 from .linkage import OneLinkage
 from .motion import Motion, is_translating
 from .moving import move, placements_for
-from .solve.branch import Branch, as_branch_spec
-from .solve.drive_range import DriveRange
+from .solve.branch import Branch, DriveRange, as_branch_spec
 from .solve.dyads import Dyad
 from .solve.input_dyads import InputDyad
 from .solve.loops import Loops

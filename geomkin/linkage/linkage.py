@@ -19,10 +19,8 @@ from ..core.reprs import LONGEST, moving_picture, one_line
 from ..core.units import mm
 from ..plane.vec import Array, Real, direction_deg
 from .joints.gear_mesh import GearMesh
-from .joints.joint import AbstractJoint
-from .joints.pin import PinJoint
-from .joints.pin_in_slot import PinInSlot
-from .joints.slide import AbstractSlide, Slider
+from .joints.joint import AbstractJoint, PinJoint
+from .joints.slide import AbstractSlide, PinInSlot, Slider
 from .solve.placement import Placement
 
 # The structure of a linkage, equal for linkages that differ only in sizes: each body with its points; each slide with

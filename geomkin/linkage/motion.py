@@ -18,8 +18,8 @@ from .body_motion import Body, PointMotion, SlideMotion
 from .joints.slide import AbstractSlide
 from .linkage import AbstractLinkage, Linkage
 from .sensitivity import Sensitivities
+from .solve.placement import Timing
 from .solve.solution import LinkageSolution
-from .timing import Timing
 
 # Threshold that separates rotation from rounding noise in a body that only translates (rotation x size / displacement).
 TRANSLATING = 1e-9

@@ -12,8 +12,7 @@ from ...plane.vec import Complex, Mask, Real, Whole, cross
 from ..joints.joint import AbstractJoint, Effect
 from ..joints.slide import AbstractSlide
 from ..solve.continuation import solved
-from .friction import DryFriction, PinFriction, SlideFriction
-from .wrenches import Wrenches
+from .wrenches import DryFriction, PinFriction, SlideFriction, Wrenches
 
 # Frames times linkages that are solved at once: their matrices stay in the processor's cache.
 BLOCK = 512

@@ -17,8 +17,7 @@ from ...core.units import mm
 from ...model.material import Mass
 from ...plane.vec import Array, Real, unit
 from ..motion import Motion
-from .friction import PinFriction, SlideFriction
-from .wrenches import Wrenches, known_body, known_place
+from .wrenches import PinFriction, SlideFriction, Wrenches, known_body, known_place
 
 
 @record(checked=True, eq=False)

@@ -22,14 +22,12 @@ from ...plane.vec import dot, rounded
 from ...recipe.aspect import AbstractAspect
 from ...recipe.settings import Stroke, Turn
 from ..dwell import longest_dwell
-from ..instant.components import component_plots, components_check
+from ..instant.polygons import component_plots, components_check
 from ..linkage import Linkage
-from ..measures import transmission_extreme
+from ..measures import StraightPart, straight_part, transmission_extreme
 from ..motion import Motion, is_translating, on_ground
-from ..parts.counterweight_plates import RoundEnd
-from ..parts.flywheel import Flywheel
+from ..parts.rotating_masses import Flywheel, RoundEnd
 from ..scene import linkage_scene, with_components
-from ..straightness import StraightPart, straight_part
 from .copies import Copy, check_copies, driven_check, is_whole_turn, with_copies
 from .made import MadeLinkage
 

@@ -23,8 +23,7 @@ from ...model.table import Column, Table, finite, xy_columns
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Arc, Circle, Segment
 from ...recipe.settings import Files, Stroke, Turn
-from ..assembly_failures import assembly_failure
-from ..checks import LARGEST_DRAWN, reached
+from ..checks import LARGEST_DRAWN, assembly_failure, reached
 from ..coupler_curve import CouplerCurve
 from ..instant.centres import pin_between, slider_between
 from ..instant.centrodes import CentrodeCurve, Centrodes

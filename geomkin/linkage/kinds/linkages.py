@@ -32,10 +32,9 @@ from ..joints.slide import are_equal
 from ..linkage import AbstractLinkage
 from ..measures import steady_bodies
 from ..motion import motion_table
-from ..parts.counterweight_plates import RoundEnd
-from ..parts.flywheel import Flywheel
 from ..parts.gears import gear_pair
 from ..parts.layers import passed_attachments
+from ..parts.rotating_masses import Flywheel, RoundEnd
 from ..parts.stack import MOTOR_PLATE
 from ..parts.stock import LinkStock
 from ..scene import linkage_scene, motion_plots

@@ -25,9 +25,8 @@ from ..dynamics.loads import Loads
 from ..linkage import Linkage
 from ..motion import Motion
 from ..moving import move
-from ..parts.counterweight_plates import RoundEnd, round_end
-from ..parts.flywheel import Flywheel, with_flywheel
 from ..parts.plates import assemble
+from ..parts.rotating_masses import Flywheel, RoundEnd, round_end, with_flywheel
 from ..parts.stack import Stack, fastener_masses, link_parts, stack_assembly
 from ..parts.stock import LinkStock
 from .copies import is_whole_turn

@@ -29,8 +29,7 @@ from ...recipe.recipe import part_masses
 from ..checks import in_driver_unit
 from ..dynamics.inverse import WATT
 from ..linkage import Linkage
-from ..parts.counterweight_plates import RoundEnd
-from ..parts.flywheel import Flywheel, flywheel_of
+from ..parts.rotating_masses import Flywheel, RoundEnd, flywheel_of
 from ..parts.strength import linkage_strength_checks
 from ..scene import vector_marks
 from .copies import is_whole_turn

@@ -19,10 +19,9 @@ from ...model.material import Mass
 from ...model.scene import SceneHandle, point_handle
 from ...recipe.aspect import ALONE, Setting
 from ...recipe.settings import BodyMass, Gravity, gravity_entry
-from ..dynamics.friction import PinFriction, SlideFriction
 from ..dynamics.inverse import ForceAnalysis, forces
 from ..dynamics.loads import DriveTable, Force, GasSpring, Loads, SlideForce, Spring, Torque, TorsionSpring
-from ..dynamics.wrenches import Wrenches, known_body, known_place
+from ..dynamics.wrenches import PinFriction, SlideFriction, Wrenches, known_body, known_place
 from ..linkage import Linkage
 from ..motion import Motion
 from ..parts.stock import LinkStock

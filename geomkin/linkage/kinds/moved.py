@@ -21,8 +21,7 @@ from ...plane.vec import Complex, Real
 from ...recipe.recipe import AbstractRecipe, Additions
 from ...recipe.settings import Stroke, Turn
 from ..joints.gear_mesh import GearMesh
-from ..joints.pin_in_slot import PinInSlot
-from ..joints.slide import Slider
+from ..joints.slide import PinInSlot, Slider
 from ..linkage import AbstractLinkage, Linkage
 from ..measures import motion_quantities
 from ..motion import Motion

@@ -23,9 +23,9 @@ from ..drive_limits import largest_over, moved_to
 from ..dynamics.loads import DriveTable, Force
 from ..dynamics.wrenches import NEWTON
 from ..linkage import Linkage
+from ..measures import foot_shares, foot_slip, ground_slopes, support_margin
 from ..motion import Motion
 from ..parts.stack import Stack
-from ..standing import foot_shares, foot_slip, ground_slopes, support_margin
 from .aspects import AbstractLinkageAspect
 from .copies import Copied
 from .loads import CarriedMass

@@ -22,9 +22,15 @@ from ...plane.primitives import Circle
 from ...plane.vec import Complex, rounded
 from ...recipe.recipe import AbstractRecipe, Additions, mass_summary
 from ...recipe.settings import Files, Turn
-from ..assembly_failures import assembly_failure
 from ..body_motion import Body
-from ..checks import LEAST_ANGLE_OF_POLYGONS_DEG, MOST_FORCE_TO_BEST, collision_check, driver_at, reached
+from ..checks import (
+    LEAST_ANGLE_OF_POLYGONS_DEG,
+    MOST_FORCE_TO_BEST,
+    assembly_failure,
+    collision_check,
+    driver_at,
+    reached,
+)
 from ..dynamics.shaking import (
     Counterbalance,
     SliderCrankMasses,
@@ -33,8 +39,17 @@ from ..dynamics.shaking import (
     shaking_force,
 )
 from ..instant.centres import instant_centres
-from ..instant.components import RATES, component_columns, component_plots, component_vectors, components_check
-from ..instant.polygons import POLE, VectorPolygon, acceleration_polygon, velocity_polygon
+from ..instant.polygons import (
+    POLE,
+    RATES,
+    VectorPolygon,
+    acceleration_polygon,
+    component_columns,
+    component_plots,
+    component_vectors,
+    components_check,
+    velocity_polygon,
+)
 from ..motion import Motion, motion_table
 from ..moving import move
 from ..named_linkages import SliderCrank

@@ -19,7 +19,7 @@ from ...plane.curve import AbstractCurve
 from ...plane.measure import separation
 from ...plane.primitives import Circle, Polyline, convex_hull, rounded_hull, slot
 from ...plane.vec import Complex, Mask, cross, spaced_directions
-from ..assembly_failures import assembly_error
+from ..checks import assembly_error
 from ..dynamics.wrenches import known_place
 from ..joints.joint import AbstractJoint
 from ..joints.slide import Slider, are_equal

@@ -15,9 +15,8 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.records import record
 from ...plane.vec import Complex, Real, Whole, cross, dot
-from .closing_roots import StrokeRoot, gap_of
 from .dyads import RRP, RRR
-from .input_dyads import DriverPoints, InputDyad
+from .input_dyads import DriverPoints, InputDyad, StrokeRoot, gap_of
 from .placement import Coefficients, Placement, Poses
 
 

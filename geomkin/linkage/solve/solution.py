@@ -11,13 +11,11 @@ import numpy as np
 from ...core.records import record
 from ...plane.vec import Array, Complex, Mask, Real, Whole, known
 from ..linkage import Linkage
-from ..timing import Timing
-from .branch import BranchSpec, FollowedBranch
-from .drive_range import DriveRange, change_points
+from .branch import BranchSpec, DriveRange, FollowedBranch, change_points
 from .dyads import Crossed, Dyad, JointLines
 from .input_dyads import InputDyad
 from .loops import Loops
-from .placement import Coefficients, Placement, Poses, RevoluteInput
+from .placement import Coefficients, Placement, Poses, RevoluteInput, Timing
 from .program import Group, ProgramRun
 
 # Gap, as a share of the linkage's extent, below which it counts as zero. True meetings come out below 2e-16 after
