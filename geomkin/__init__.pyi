@@ -135,11 +135,9 @@ from .linkage.named_linkages import (
     ScotchYoke as ScotchYoke,
 )
 from .linkage.named_linkages import (
-    Shaper as Shaper,
-)
-from .linkage.named_linkages import (
     SliderCrank as SliderCrank,
 )
+from .linkage.six_bars import Shaper as Shaper
 from .linkage.six_bars import StephensonSixBar as StephensonSixBar
 from .linkage.six_bars import WattSixBar as WattSixBar
 from .linkage.solve.branch import Continuation as Continuation
@@ -154,7 +152,7 @@ from .model.part import Twist as Twist
 from .model.table import Column as Column
 from .model.table import Table as Table
 from .optimisation.optimiser import optimise as optimise
-from .plane.arcs import to_arcs as to_arcs
+from .plane.approximation import to_arcs as to_arcs
 from .plane.curve import AbstractCurve as AbstractCurve
 from .plane.flatten import flatten as flatten
 from .plane.measure import area as area

@@ -15,7 +15,7 @@ from ..core.units import mm
 from ..model.part import Part
 from ..plane import measure as measure
 from ..plane import region as region
-from ..plane.arcs import to_arcs
+from ..plane.approximation import to_arcs
 from ..plane.curve import AbstractCurve, extent
 from ..plane.flatten import flatten
 from ..plane.parallel import parallel

@@ -10,8 +10,7 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
-from ..core.fields import Length
-from ..core.reprs import still_picture
+from ..core.fields import Length, still_picture
 from ..core.units import bare_mm, mm
 from ..plane.curve import AbstractCurve, Reversed
 from ..plane.primitives import Arc, Segment

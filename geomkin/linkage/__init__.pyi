@@ -1,7 +1,4 @@
 # The public names of this package. Each is imported when it is first used.
-from .body_motion import Body as Body
-from .body_motion import PointMotion as PointMotion
-from .body_motion import SlideMotion as SlideMotion
 from .checks import AssemblyFailure as AssemblyFailure
 from .checks import assembly_failure as assembly_failure
 from .checks import collision_check as collision_check
@@ -87,7 +84,6 @@ from .measures import straight_part as straight_part
 from .motion import Motion as Motion
 from .motion import mechanical_advantage as mechanical_advantage
 from .motion import motion_table as motion_table
-from .pantograph import Pantograph as Pantograph
 from .parts.engraved import PlateStock as PlateStock
 from .parts.engraved import engraved as engraved
 from .parts.stack import Stack as Stack
@@ -105,8 +101,12 @@ from .scene_instants import centrodes_scene as centrodes_scene
 from .scene_instants import force_scene as force_scene
 from .scene_instants import inflection_scene as inflection_scene
 from .scene_instants import polygons_scene as polygons_scene
+from .six_bars import Pantograph as Pantograph
 from .solve.continuation import Root as Root
 from .solve.continuation import newton_raphson as newton_raphson
+from .solve.solution import Body as Body
+from .solve.solution import PointMotion as PointMotion
+from .solve.solution import SlideMotion as SlideMotion
 from .tolerance_analysis import SampledDeviations as SampledDeviations
 from .tolerance_analysis import ToleranceAnalysis as ToleranceAnalysis
 from .tolerance_analysis import tolerances as tolerances

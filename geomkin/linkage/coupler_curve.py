@@ -15,12 +15,12 @@ from ..core.records import record
 from ..core.units import mm
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Real, Whole, cross, unit
-from .body_motion import PointMotion
 from .drive_limits import driver_limits
 from .linkage import AbstractLinkage, OneLinkage
 from .motion import Motion
 from .moving import move
 from .solve.branch import Branch, as_branch_spec
+from .solve.solution import PointMotion
 
 # Share of the tolerance that chords must keep. Their distance is sampled at three points, which may miss 3 % of it.
 AIM = 0.95

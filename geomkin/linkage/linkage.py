@@ -12,10 +12,9 @@ import numpy as np
 
 from ..core.arguments import LARGEST, PLAIN, ArgumentType, is_place
 from ..core.errors import DesignError, ProblemId, shown
-from ..core.fields import ComplexOrArray, ComplexPoint, KindTable, entry
+from ..core.fields import LONGEST, ComplexOrArray, ComplexPoint, KindTable, entry, moving_picture, one_line
 from ..core.names import check_names
 from ..core.records import record
-from ..core.reprs import LONGEST, moving_picture, one_line
 from ..core.units import mm
 from ..plane.vec import Array, Real, direction_deg
 from .joints.gear_mesh import GearMesh

@@ -287,7 +287,7 @@ PLACES = 241
 # distance to them.
 ADDED = 3
 # Distance between both ends of a path, as a share of the length of its line, that counts as rounding.
-NOTHING = 1e-12
+ENDS_MEET = 1e-12
 
 
 @record
@@ -384,7 +384,7 @@ def straight_part(motion: Motion, point: str, start: float, end: float) -> Strai
     if along[-1] < along[0]:
         direction, along = -direction, -along
     speed, passed = dot(first, direction) * abs(high - low), float(along[-1] - along[0])
-    variation = np.inf if passed <= NOTHING * np.ptp(along) else float(np.ptp(speed) / passed)
+    variation = np.inf if passed <= ENDS_MEET * np.ptp(along) else float(np.ptp(speed) / passed)
     start_point, end_point = (through + direction * float(end) for end in (along.min(), along.max()))
     return StraightPart(start_point, end_point, deviation, variation)
 
@@ -409,7 +409,7 @@ def _zeros(t: Real, values: Real) -> Real:
 ROUNDING = 1e-9
 # Gap below a foot, as a share of the size of the walker, up to which it stands, and share of the weight and of the
 # largest speed that count as rounding.
-STANDING, NOTHING = 1e-7, 1e-9
+STANDING, WEIGHTLESS = 1e-7, 1e-9
 
 
 def support_margin(feet: Complex, centre: complex | Complex) -> Real:
@@ -469,7 +469,7 @@ def foot_shares(feet: Complex, height: Real, centre: complex | Complex, slope: C
     shares = np.zeros(feet.shape)
     for _ in range(len(feet)):
         shares = np.linalg.pinv(equations * stands.T[:, None, :])[..., 0].T
-        if not (pulled := shares < -NOTHING).any():
+        if not (pulled := shares < -WEIGHTLESS).any():
             break
         stands &= ~pulled
     return np.where(np.isfinite(slope), np.maximum(shares, 0.0), np.nan)
@@ -486,12 +486,12 @@ def foot_slip(shares: Real, velocity: Real) -> tuple[Real, Real]:
     passed = np.cumsum(np.take_along_axis(shares, order, axis=0), axis=0)
     middle = (
         np.take_along_axis(order, np.argmax(half, axis=0)[None], axis=0)
-        for half in (passed >= 0.5 - NOTHING, passed > 0.5 + NOTHING)
+        for half in (passed >= 0.5 - WEIGHTLESS, passed > 0.5 + WEIGHTLESS)
     )
     lower, upper = (np.take_along_axis(velocity, foot, axis=0)[0] for foot in middle)
     frame = -(lower + upper) / 2
     slip = velocity + frame
-    senses = np.where(np.abs(slip) > NOTHING * np.abs(velocity).max(), np.sign(slip), 0.0)
+    senses = np.where(np.abs(slip) > WEIGHTLESS * np.abs(velocity).max(), np.sign(slip), 0.0)
     friction = -senses * shares
     still = np.where(senses == 0, shares, 0.0)
     held = still.sum(axis=0)

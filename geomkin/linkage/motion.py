@@ -10,16 +10,15 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError, shown
+from ..core.fields import clipped, moving_picture, short
 from ..core.records import record
-from ..core.reprs import clipped, moving_picture, short
 from ..model.table import Column, Table, finite, xy_columns
 from ..plane.vec import Array, Complex, Mask, Real, Whole, dot
-from .body_motion import Body, PointMotion, SlideMotion
 from .joints.slide import AbstractSlide
 from .linkage import AbstractLinkage, Linkage
 from .sensitivity import Sensitivities
 from .solve.placement import Timing
-from .solve.solution import LinkageSolution
+from .solve.solution import Body, LinkageSolution, PointMotion, SlideMotion
 
 # Threshold that separates rotation from rounding noise in a body that only translates (rotation x size / displacement).
 TRANSLATING = 1e-9

@@ -1,4 +1,4 @@
-"""Linkages with a name: four-bar, slider-crank and its inversions, trammel, yoke, Oldham coupling, and shaper."""
+"""Linkages with a name: four-bar, slider-crank and its inversions, trammel, yoke, Oldham coupling."""
 
 from __future__ import annotations
 
@@ -383,90 +383,6 @@ class OldhamCoupling(AbstractLinkage):
             sliders=(
                 Slider("first", "disc", "driving"),
                 Slider("second", "disc", "driven", direction_deg=90.0, angle_deg=-90.0),
-            ),
-            origin=self.origin,
-            ground_angle_deg=self.ground_angle_deg,
-        )
-
-
-@record(checked=True)
-class Shaper(AbstractLinkage):
-    """Shaper (quick-return) mechanism: a crank pin in the slot of a lever, whose tip moves a ram by a connecting rod.
-
-    The crank turns about `origin`. The ram's line is perpendicular to the line from crank pivot to lever pivot, on the
-    other side of the crank. By default the lever's pivot is below the crank and the ram runs along x. The ram cuts
-    slowly and returns quickly. Joints for branches: `slide`, and `ram_pin`: +1 puts the ram on the +x side of the
-    lever's tip.
-
-    Parameters
-    ----------
-    ground : float
-        Distance from crank pivot to lever pivot, mm; above 0.
-    crank : float
-        Length of the crank, mm; above 0 and below `ground`.
-    lever : float
-        Distance from the lever's pivot to its tip, mm; above 0.
-    link : float
-        Connecting rod from the lever's tip to the ram, mm; above 0.
-    ram_height : float
-        Distance from the crank pivot to the ram's line, away from the lever pivot, mm; above 0.
-    origin : complex
-        Position of the crank's ground pivot, mm.
-    ground_angle_deg : float
-        Direction from the crank pivot to the lever pivot, deg, from -360 to 360.
-    points : dict of str to dict of str to complex
-        Further points of bodies by name, mm in the frame of the body.
-
-    Raises
-    ------
-    DesignError
-        If a size is out of range, or the crank is not shorter than the ground.
-
-    See Also
-    --------
-    InvertedSliderCrank, SliderCrank, move
-    """
-
-    ground: float = quantity("from crank pivot to lever pivot", "mm", above=0, at_most=FARTHEST, example=90)
-    crank: float = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
-    lever: float = quantity("from lever pivot to the lever's tip", "mm", above=0, at_most=FARTHEST, example=180)
-    link: float = quantity("connecting rod, from lever tip to ram", "mm", above=0, at_most=FARTHEST, example=60)
-    ram_height: float = quantity(
-        "from crank pivot to the ram's line, away from the lever pivot", "mm", above=0, at_most=FARTHEST, example=85
-    )
-    origin: ComplexPoint = entry("crank's ground pivot, [x, y] in mm", default=0j)
-    ground_angle_deg: float = quantity(
-        "direction from crank pivot to lever pivot", "deg", default=-90.0, at_least=-360, at_most=360
-    )
-    points: BodyPoints = points_entry()
-
-    def __post_init__(self) -> None:
-        if self.crank >= self.ground:
-            raise DesignError(
-                "crank",
-                f"found {mm(self.crank):g}, but the lever turns over unless the crank is shorter than the ground, "
-                f"{mm(self.ground):g}",
-                f"give less than {mm(self.ground):down}",
-                value=inside(self.ground, 1),
-            )
-
-    @cached_property
-    @with_points
-    def linkage(self) -> Linkage:
-        """The general linkage: the sliding joints are "slide" (crank pin on lever) and "ram_slide"."""
-        return Linkage(
-            bodies={
-                "ground": {"crank_pivot": 0j, "lever_pivot": self.ground + 0j},
-                "crank": {"crank_pivot": 0j, "crank_pin": self.crank + 0j},
-                "lever": {"lever_pivot": 0j, "lever_tip": self.lever + 0j},
-                "block": {"crank_pin": 0j},
-                "link": {"lever_tip": 0j, "ram_pin": self.link + 0j},
-                "ram": {"ram_pin": 0j},
-            },
-            driver="crank",
-            sliders=(
-                Slider("slide", "block", "lever"),
-                Slider("ram_slide", "ram", "ground", through=-self.ram_height + 0j, direction_deg=90.0),
             ),
             origin=self.origin,
             ground_angle_deg=self.ground_angle_deg,

@@ -27,13 +27,10 @@ from ..recipe.composed import AbstractComposedRecipe
 from ..recipe.load import from_table, to_toml
 from ..recipe.recipe import AbstractAssembledRecipe, AbstractGoal, AbstractRecipe, Additions, assembly_summary
 from ..recipe.settings import SLOWEST_RPM, Files
-from .assembly import MachineAssembly
-from .mechanism import Mechanism, errors_of, refuse_machine
-from .placed import PlacedMechanism, joined_scene, joined_table
-from .shaft_fits import ShaftFit, motor_key, motor_room, shaft_fits
+from .mechanisms import Mechanism, PlacedMechanism, errors_of, joined_scene, joined_table, refuse_machine
+from .shaft_fits import MachineAssembly, ShaftFit, motor_key, motor_room, shaft_fits
 from .shafts import ShaftGraph
-from .torques import MachineTorques
-from .walking import MachineWalking, WalkerTable, check_walker, feet_of
+from .torques import MachineTorques, MachineWalking, WalkerTable, check_walker, feet_of
 
 # Most mechanisms of a machine: what a page shows and a person can distinguish. Twelve legs and their train are 13.
 MOST_MECHANISMS = 16

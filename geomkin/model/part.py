@@ -9,10 +9,9 @@ import numpy as np
 
 from ..core.arguments import FloatOrNan, PositiveFloat, checked
 from ..core.errors import DesignError
-from ..core.fields import Length
+from ..core.fields import Length, still_picture
 from ..core.names import check_names
 from ..core.records import record
-from ..core.reprs import still_picture
 from ..core.units import as_sentences
 from ..plane.curve import AbstractCurve
 from ..plane.measure import AreaMoments, area_moments

@@ -12,11 +12,11 @@ from ...core.records import record
 from ...core.units import mm
 from ...model.material import Mass
 from ...plane.vec import Array, Complex, Real, Whole, cross, dot
-from ..body_motion import PointMotion
 from ..joints.joint import Effect
 from ..joints.slide import AbstractSlide
 from ..linkage import Linkage
 from ..motion import Motion
+from ..solve.solution import PointMotion
 
 # kg mm/s2 in N.
 NEWTON = 1e-3

@@ -15,10 +15,10 @@ from ...model.check import Check
 from ...model.scene import Plot
 from ...model.table import Column, finite
 from ...plane.vec import Complex, Real, dot, unit
-from ..body_motion import PointMotion
 from ..joints.slide import AbstractSlide
 from ..linkage import Linkage
 from ..motion import Motion, is_rounding
+from ..solve.solution import PointMotion
 
 # Largest difference of two components that are equal in a rigid link, as a share of the fastest pin. Rounding is 1e-15,
 # and more by the error amplification near a dead centre of the driver.

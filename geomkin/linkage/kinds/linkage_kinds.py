@@ -16,17 +16,8 @@ from ...model.table import Table
 from ...recipe.recipe import Additions
 from ...recipe.settings import Stroke, Turn
 from ..measures import grashof
-from ..named_linkages import (
-    EllipticTrammel,
-    FourBar,
-    InvertedSliderCrank,
-    OldhamCoupling,
-    ScotchYoke,
-    Shaper,
-    SliderCrank,
-)
-from ..pantograph import Pantograph
-from ..six_bars import StephensonSixBar, WattSixBar
+from ..named_linkages import EllipticTrammel, FourBar, InvertedSliderCrank, OldhamCoupling, ScotchYoke, SliderCrank
+from ..six_bars import Pantograph, Shaper, StephensonSixBar, WattSixBar
 from .copies import Copy, copies_entry
 from .linkages import LinkageAdditions, SlidingLinkageRecipe, TurningLinkageRecipe
 from .moved import WITH_SLIDER, BodyList, shown_joints

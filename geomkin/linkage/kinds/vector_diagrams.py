@@ -22,7 +22,6 @@ from ...plane.primitives import Circle
 from ...plane.vec import Complex, rounded
 from ...recipe.recipe import AbstractRecipe, Additions, mass_summary
 from ...recipe.settings import Files, Turn
-from ..body_motion import Body
 from ..checks import (
     LEAST_ANGLE_OF_POLYGONS_DEG,
     MOST_FORCE_TO_BEST,
@@ -59,6 +58,7 @@ from ..parts.stock import LinkStock
 from ..scene import linkage_scene
 from ..scene_handles import body_point, handle_position, linkage_handles
 from ..scene_instants import force_scene, polygons_scene
+from ..solve.solution import Body
 from .linkages import AbstractLinkageRecipe, LinkageAdditions
 from .moved import BodyList, Branches, JointAdditions, Side, branch_of, branches_entry, components_entry, shown_joints
 

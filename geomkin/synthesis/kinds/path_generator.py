@@ -11,10 +11,9 @@ import numpy as np
 
 from ...core.errors import DesignError, printable, shown
 from ...core.field_visitor import WrittenForm
-from ...core.fields import FARTHEST, ComplexPoint, Ratio, entry, point_of, quantity, to_digits
+from ...core.fields import FARTHEST, ComplexPoint, Ratio, clipped, entry, point_of, quantity, to_digits
 from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
-from ...core.reprs import clipped
 from ...core.units import INCH, marked
 from ...linkage.coupler_curve import CouplerCurve
 from ...linkage.moving import move
