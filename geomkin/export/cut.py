@@ -18,8 +18,8 @@ from ..plane import region as region
 from ..plane.approximation import to_arcs
 from ..plane.curve import AbstractCurve, extent
 from ..plane.flatten import flatten
-from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
+from ..plane.region import parallel
 from ..plane.vec import Complex, box_of, rounded
 from .lettering import lettered
 

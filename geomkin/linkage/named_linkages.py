@@ -68,8 +68,7 @@ class SliderCrank(AbstractLinkage):
         "height of the slide line above the crank pivot", "mm", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
     )
     coupler_point: ComplexOrArray = entry(
-        "point traced by the connecting rod, from its crank pin, x towards the slider pin, [x, y] in mm",
-        default=0j,
+        "point traced by the connecting rod, from its crank pin, x towards the slider pin, [x, y] in mm", default=0j
     )
     driver: Literal["crank", "coupler", "slider"] = entry(
         "body that is driven: crank and coupler by their angle, the slider by its x", default="crank"

@@ -28,8 +28,7 @@ from ..recipe.load import from_table, to_toml
 from ..recipe.recipe import AbstractAssembledRecipe, AbstractGoal, AbstractRecipe, Additions, assembly_summary
 from ..recipe.settings import SLOWEST_RPM, Files
 from .mechanisms import Mechanism, PlacedMechanism, errors_of, joined_scene, joined_table, refuse_machine
-from .shaft_fits import MachineAssembly, ShaftFit, motor_key, motor_room, shaft_fits
-from .shafts import ShaftGraph
+from .shafts import MachineAssembly, ShaftFit, ShaftGraph, motor_key, motor_room, shaft_fits
 from .torques import MachineTorques, MachineWalking, WalkerTable, check_walker, feet_of
 
 # Most mechanisms of a machine: what a page shows and a person can distinguish. Twelve legs and their train are 13.
@@ -330,10 +329,7 @@ class MachineRecipe(AbstractAssembledRecipe):
             return {"mechanisms": {"pair": Mechanism(recipe=pair), "legs": leg}, "walker": carried}
         crank = from_table({"kind": "slider-crank", **EXAMPLE_CRANK})
         return {
-            "mechanisms": {
-                "pair": Mechanism(recipe=pair),
-                "pump": Mechanism(recipe=crank, turned_by="pair.second"),
-            }
+            "mechanisms": {"pair": Mechanism(recipe=pair), "pump": Mechanism(recipe=crank, turned_by="pair.second")}
         }
 
 

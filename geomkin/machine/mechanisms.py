@@ -80,8 +80,7 @@ class Mechanism:
     """A mechanism of a machine."""
 
     recipe: Annotated[AbstractRecipe, RecipeOrFile()] = entry(
-        'its recipe: a file next to this one, such as "leg.toml", or a table with kind',
-        example="leg.toml",
+        'its recipe: a file next to this one, such as "leg.toml", or a table with kind', example="leg.toml"
     )
     turned_by: str | None = entry(
         'the body that turns its driver, such as "pair.second"; omitted for the one that a motor or a hand drives',

@@ -24,8 +24,7 @@ from ..plane.vec import Complex, Pose, Real, cross
 from ..recipe.aspect import FootForces, Setting, ShaftPlacement, Standing
 from ..recipe.recipe import AbstractRecipe
 from .mechanisms import TORQUE, Mechanism, errors_of
-from .shaft_fits import motor_key, mounted_motor
-from .shafts import ShaftGraph
+from .shafts import ShaftGraph, motor_key, mounted_motor
 
 # Gravity, mm/s2; it points down in the machine.
 GRAVITY = 9810.0

@@ -167,11 +167,7 @@ def judged_counterbalance(
 
 @checked
 def best_counterbalance(
-    linkage: SliderCrank,
-    masses: SliderCrankMasses,
-    branch: Branch = 1,
-    turned: bool = False,
-    acceleration: float = 0.0,
+    linkage: SliderCrank, masses: SliderCrankMasses, branch: Branch = 1, turned: bool = False, acceleration: float = 0.0
 ) -> Counterbalance:
     """The counterbalance that minimises the largest shaking force over the turn.
 

@@ -219,11 +219,7 @@ class StraightLineTable:
     """How straight a part of a point's path should be, how long, and how constant the speed along it."""
 
     most_deviation: float = quantity(
-        "largest distance of the path from its best straight line",
-        "mm",
-        at_least=0,
-        at_most=FARTHEST,
-        example=20.0,
+        "largest distance of the path from its best straight line", "mm", at_least=0, at_most=FARTHEST, example=20.0
     )
     point: str = entry("the point; by default the last one of a moving body that is no pin", default="")
     over_deg: tuple[Angle, Angle] | None = entry(

@@ -357,10 +357,7 @@ def joint_bills(stacks: Sequence[Stack], shared: Sequence[Shared], thickness: fl
             has_rod = any(rod.pin == name for rod in shared[max(0, k - 1) : k + 1])
             lines += [(stack.letters[name], stack.bill(pin)) for pin in stack.pins if pin.name == name and not has_rod]
         lines += [
-            (
-                stack.letters[name],
-                (stack.fastener.rod(rod.length), *glue_bill(2)),
-            )
+            (stack.letters[name], (stack.fastener.rod(rod.length), *glue_bill(2)))
             for stack, rod in zip(stacks, shared)
             if rod.pin == name
         ]

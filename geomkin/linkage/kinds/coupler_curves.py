@@ -222,13 +222,7 @@ class CognatesRecipe(AbstractMovedRecipe):
 
     def _moved(self, drive: Real) -> tuple[Motion, ...]:
         return tuple(
-            move(
-                c.linkage,
-                drive + c.drive_offset,
-                self.branch * c.branch,
-                self.drive.speed,
-                self.drive.acceleration,
-            )
+            move(c.linkage, drive + c.drive_offset, self.branch * c.branch, self.drive.speed, self.drive.acceleration)
             for c in cognates(self.linkage)
         )
 

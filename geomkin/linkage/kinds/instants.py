@@ -166,11 +166,7 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
         default=None,
     )
     position_deg: float | None = quantity(
-        "driver's angle that is drawn; by default 15",
-        "deg",
-        default=None,
-        at_least=-360,
-        at_most=360,
+        "driver's angle that is drawn; by default 15", "deg", default=None, at_least=-360, at_most=360
     )
     position_mm: float | None = quantity(
         "driver's displacement that is drawn, if a slide drives; by default the middle of its stroke",

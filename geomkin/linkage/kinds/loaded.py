@@ -13,13 +13,7 @@ from ...core.fields import to_digits, to_digits_or_none
 from ...core.records import record
 from ...core.units import mm, rounded_down
 from ...making.actuators import ActuatorDuty
-from ...making.motors import (
-    motor_check,
-    motor_summary,
-    nearest_motor,
-    power_summary,
-    smallest_motor,
-)
+from ...making.motors import motor_check, motor_summary, nearest_motor, power_summary, smallest_motor
 from ...model.check import Check, Suggestion
 from ...model.motor import RPM, Motor, effective_value
 from ...model.scene import Hodograph, Plot, Scene, SceneHandle, SceneMark

@@ -349,11 +349,7 @@ class LoadsTable:
         return setting.of_world(1000 * complex(*self.gravity_m_per_s2))
 
     def forces_of(
-        self,
-        motion: Motion,
-        part_masses: Mapping[str, Mass],
-        setting: Setting = ALONE,
-        further: tuple[Force, ...] = (),
+        self, motion: Motion, part_masses: Mapping[str, Mass], setting: Setting = ALONE, further: tuple[Force, ...] = ()
     ) -> ForceAnalysis:
         """Driver effort and joint forces.
 
@@ -363,11 +359,7 @@ class LoadsTable:
         return forces(motion, self.loads_of(motion, part_masses, setting, further))
 
     def loads_of(
-        self,
-        motion: Motion,
-        part_masses: Mapping[str, Mass],
-        setting: Setting = ALONE,
-        further: tuple[Force, ...] = (),
+        self, motion: Motion, part_masses: Mapping[str, Mass], setting: Setting = ALONE, further: tuple[Force, ...] = ()
     ) -> Loads:
         """The loads as the library has them, as for `forces_of`."""
         self.check(motion)

@@ -367,11 +367,7 @@ WITH_SLIDER = BodyList(
     sliders=(SliderTable("slide", "block", "ground"),),
 )
 WITH_SLOT = BodyList(
-    bodies={
-        "ground": {"O": 0j, "C": -80j},
-        "crank": {"O": 0j, "A": 30 + 0j},
-        "lever": {"C": 0j, "tip": 160 + 0j},
-    },
+    bodies={"ground": {"O": 0j, "C": -80j}, "crank": {"O": 0j, "A": 30 + 0j}, "lever": {"C": 0j, "tip": 160 + 0j}},
     driver="crank",
     slots=(PinInSlot("slot", "crank", "A", "lever"),),
 )

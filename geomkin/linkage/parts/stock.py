@@ -53,8 +53,7 @@ class LinkStock:
     )
     clearance: float = wider(0.2)
     pin_fit: IsoFit = entry(
-        'fit of the pins in their holes by ISO 286, such as "H7/g6", in place of the clearance',
-        default="",
+        'fit of the pins in their holes by ISO 286, such as "H7/g6", in place of the clearance', default=""
     )
     fastener: Literal["screw", "rod"] | None = entry(
         "screws with nuts, or rods cut flush; by default screws if the sheet carries those of pin_diameter",

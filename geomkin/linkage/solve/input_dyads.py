@@ -327,10 +327,7 @@ class DrivenRRR(CrankDriven):
         if sizes.kite is not False:
             p, psi = np.where(sizes.kite, 0.5, p), np.where(sizes.kite, 0.5, psi)
         tau = roots.tau
-        p1.theta_prime[self.dyad.bodies[0]], p1.theta_prime[self.dyad.bodies[1]] = (
-            psi - (1 - p) * tau,
-            p * tau + psi,
-        )
+        p1.theta_prime[self.dyad.bodies[0]], p1.theta_prime[self.dyad.bodies[1]] = (psi - (1 - p) * tau, p * tau + psi)
 
     def second(self, p0: Poses, p1: Coefficients, p2: Coefficients) -> None:
         sizes, (roots, over, p) = self._sizes, p0.cache[self]

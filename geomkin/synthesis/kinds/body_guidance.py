@@ -313,10 +313,7 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
         driving, driven = (
             f"({bare_mm(pin.real, pin.imag):.7g}) {unit_name()}" for pin in rounded(np.array(self.found.pins), 3)
         )
-        return (
-            *cut,
-            f"The pin at {driving} on the body drives, and the pin at {driven} is driven.",
-        )
+        return (*cut, f"The pin at {driving} on the body drives, and the pin at {driven} is driven.")
 
     @property
     def notes(self) -> Mapping[str, object]:

@@ -193,10 +193,7 @@ class BurmesterCurvesRecipe(AbstractRecipe):
         marks = [SceneMark("line", fixed, "construction", vector=pins - fixed) for pins in shown]
         marks += [SceneMark("pin", pins, "construction") for pins in shown]
         marks.append(SceneMark("fixed pin", fixed, "construction", "pivot"))
-        plots = (
-            Plot("pivot on the ground", ("fixed_x", "fixed_y")),
-            Plot("length of the crank", ("length",)),
-        )
+        plots = (Plot("pivot on the ground", ("fixed_x", "fixed_y")), Plot("length of the crank", ("length",)))
         time, closed = np.linspace(0, DURATION, count), np.ones(count, dtype=bool)
         return Scene(self.table, time, closed, (), tuple(curves), tuple(marks), plots, cyclic=False)
 

@@ -46,11 +46,7 @@ class RequiredFunction:
     x_start: float = quantity("start of the range of x", at_least=-FARTHEST, at_most=FARTHEST, example=1)
     x_end: float = quantity("end of the range of x", at_least=-FARTHEST, at_most=FARTHEST, example=2)
     input_deg: float = quantity(
-        "rotation of the crank from x_start to x_end, counterclockwise",
-        "deg",
-        default=60.0,
-        at_least=-359,
-        at_most=359,
+        "rotation of the crank from x_start to x_end, counterclockwise", "deg", default=60.0, at_least=-359, at_most=359
     )
     input_start_deg: float | None = _start_deg("crank's angle from the ground line at x_start")
     least_transmission_angle_deg: float = quantity(
@@ -228,10 +224,7 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
     @property
     def plotted(self) -> Sequence[Plot]:
         limits = tuple(Limit("error", side * self.most_error, "largest error allowed") for side in (1, -1))
-        return (
-            Plot("error of the output", ("error",), limits),
-            Plot("output", ("wanted", "reached")),
-        )
+        return (Plot("error of the output", ("error",), limits), Plot("output", ("wanted", "reached")))
 
     @property
     def size_bounds(self) -> Mapping[str, tuple[float, float]]:
@@ -273,10 +266,7 @@ class FunctionGeneratorRecipe(AbstractFunctionRecipe):
     def best(self) -> FunctionGenerator:
         wanted = self.wanted
         return function_generator(
-            **wanted.given,
-            output_deg=wanted.output_deg,
-            output_start_deg=wanted.output_start_deg,
-            ground=wanted.ground,
+            **wanted.given, output_deg=wanted.output_deg, output_start_deg=wanted.output_start_deg, ground=wanted.ground
         )
 
     @cached_property

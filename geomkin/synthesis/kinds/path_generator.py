@@ -170,14 +170,12 @@ class WantedPath:
         "whether the points lie, in any order, on a closed curve that a full turn draws", default=False
     )
     bars: Literal[4, 5, 6, 7, 8] = entry(
-        "largest number of bars; more than 4 follow paths that few four-bars follow",
-        default=4,
+        "largest number of bars; more than 4 follow paths that few four-bars follow", default=4
     )
     geared: bool = entry("whether five- and seven-bars with two geared cranks are searched for too", default=False)
     slides: bool = entry("true for a slider-crank, false for a four-bar", default=False)
     drive_deg: tuple[float, ...] | None = entry(
-        "crank angles at the points, rising or falling; only differences count; free if left out",
-        default=None,
+        "crank angles at the points, rising or falling; only differences count; free if left out", default=None
     )
     step_deg: float | None = quantity(
         "equal steps of the crank angle from point to point, instead of drive_deg",

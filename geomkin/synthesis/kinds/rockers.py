@@ -275,9 +275,7 @@ def family_choice(found: AbstractMember) -> Choice:
     least = LEAST_TRANSMISSION_ANGLE_DEG
     plots = (
         Plot(
-            "least transmission angle",
-            ("every_one", "made"),
-            (Limit("every_one", least, f"at least {least:g} deg"),),
+            "least transmission angle", ("every_one", "made"), (Limit("every_one", least, f"at least {least:g} deg"),)
         ),
         Plot(
             RATIO_OF_LINKS,
