@@ -84,13 +84,13 @@ from .measures import straight_part as straight_part
 from .motion import Motion as Motion
 from .motion import mechanical_advantage as mechanical_advantage
 from .motion import motion_table as motion_table
-from .parts.engraved import PlateStock as PlateStock
-from .parts.engraved import engraved as engraved
 from .parts.stack import Stack as Stack
 from .parts.stack import link_parts as link_parts
 from .parts.stack import stack_links as stack_links
 from .parts.stock import LinkAttachment as LinkAttachment
 from .parts.stock import LinkStock as LinkStock
+from .parts.stock import PlateStock as PlateStock
+from .parts.stock import engraved as engraved
 from .parts.strength import linkage_strength_checks as linkage_strength_checks
 from .sampled import SampledRates as SampledRates
 from .sampled import central_difference as central_difference

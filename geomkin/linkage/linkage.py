@@ -339,11 +339,10 @@ def _check_driver(bodies: tuple[tuple[str, ...], ...], sliders: tuple[tuple[str,
         return
     name, (other,) = next(iter(sliding.items()))
     or_angle = f", or {other}, which turns as it does, for its angle" if other in pinned else ""
-    raise DesignError(
-        "driver",
-        f"{driver} slides on {other} and is not pinned to the {ground}, so its angle may be meant or its displacement",
-        f"give {name}, the slider, for its displacement{or_angle}",
+    problem = (
+        f"{driver} slides on {other} and is not pinned to the {ground}, so its angle may be meant or its displacement"
     )
+    raise DesignError("driver", problem, f"give {name}, the slider, for its displacement{or_angle}")
 
 
 # Further points of the bodies of a named linkage.

@@ -175,12 +175,8 @@ class Motion:
                 self._points[name] = PointMotion(self.bodies[body], points[name], name)
                 return self._points[name]
         named = dict.fromkeys(p for points in self.linkage.bodies.values() for p in points)
-        raise DesignError(
-            "name",
-            f"found {shown(name)}, which is not the name of a point",
-            f"give one of {', '.join(named)}",
-            "unknown-key",
-        )
+        problem = f"found {shown(name)}, which is not the name of a point"
+        raise DesignError("name", problem, f"give one of {', '.join(named)}", "unknown-key")
 
     def slide(self, name: str) -> SlideMotion:
         """Motion of a sliding joint.
@@ -203,12 +199,8 @@ class Motion:
             if slide.name == name:
                 return _slide(self, slide)
         sliders = ", ".join(slide.name for slide in self.linkage.slides)
-        raise DesignError(
-            "name",
-            f"found {shown(name)}, which is not the name of a slider",
-            f"give one of {sliders or 'none'}",
-            "unknown-key",
-        )
+        problem = f"found {shown(name)}, which is not the name of a slider"
+        raise DesignError("name", problem, f"give one of {sliders or 'none'}", "unknown-key")
 
     @checked
     def sensitivity(self, of: str, by: str) -> Array:

@@ -176,13 +176,11 @@ class InvertedSliderCrank(AbstractLinkage):
     def __post_init__(self) -> None:
         farthest = self.ground + self.crank
         if np.ndim(farthest + self.offset) == 0 and np.abs(self.offset) >= farthest:
-            raise DesignError(
-                "offset",
-                f"found {mm(self.offset):g}, but the crank pin is at most {mm(farthest):down6} from the rocker pivot",
-                f"give less than {mm(float(farthest)):down}",
-                "does-not-assemble",
-                inside(float(farthest), 1),
+            problem = (
+                f"found {mm(self.offset):g}, but the crank pin is at most {mm(farthest):down6} from the rocker pivot"
             )
+            remedy = f"give less than {mm(float(farthest)):down}"
+            raise DesignError("offset", problem, remedy, "does-not-assemble", inside(float(farthest), 1))
 
     @cached_property
     @with_points
@@ -466,14 +464,12 @@ class FourBar(AbstractLinkage):
         longest = max(lengths, key=lengths.__getitem__)
         others = sum(lengths.values()) - lengths[longest]
         if lengths[longest] >= others:
-            raise DesignError(
-                longest,
+            problem = (
                 f"found {mm(lengths[longest]):g}, but the other three links together reach only {mm(others):g}, "
-                "so the loop cannot close",
-                f"give {longest} less than {mm(float(others)):down} or lengthen the others",
-                "does-not-assemble",
-                inside(float(others), 1),
+                "so the loop cannot close"
             )
+            remedy = f"give {longest} less than {mm(float(others)):down} or lengthen the others"
+            raise DesignError(longest, problem, remedy, "does-not-assemble", inside(float(others), 1))
 
     @cached_property
     @with_points

@@ -67,13 +67,11 @@ class Shaper(AbstractLinkage):
 
     def __post_init__(self) -> None:
         if self.crank >= self.ground:
-            raise DesignError(
-                "crank",
+            problem = (
                 f"found {mm(self.crank):g}, but the lever turns over unless the crank is shorter than the ground, "
-                f"{mm(self.ground):g}",
-                f"give less than {mm(self.ground):down}",
-                value=inside(self.ground, 1),
+                f"{mm(self.ground):g}"
             )
+            raise DesignError("crank", problem, f"give less than {mm(self.ground):down}", value=inside(self.ground, 1))
 
     @cached_property
     @with_points
@@ -262,13 +260,12 @@ class Pantograph(AbstractLinkage):
         distance = abs(self.crank_pivot)
         farthest, nearest = (self.arm + self.forearm) / self.ratio, abs(self.arm - self.forearm) / self.ratio
         if abs(distance - self.crank) >= farthest or distance + self.crank <= nearest:
-            raise DesignError(
-                "crank_pivot",
+            problem = (
                 f"found {mm(distance):g} from the pole, but the bars reach from "
-                f"{mm(nearest, farthest, between=' to '):g} there",
-                f"give a distance within {mm(self.crank):g} of that range",
-                "does-not-assemble",
+                f"{mm(nearest, farthest, between=' to '):g} there"
             )
+            remedy = f"give a distance within {mm(self.crank):g} of that range"
+            raise DesignError("crank_pivot", problem, remedy, "does-not-assemble")
 
     @cached_property
     @with_points

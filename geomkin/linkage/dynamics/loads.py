@@ -311,11 +311,8 @@ class GasSpring(_TwoPoints):
     def tension(self, length: Real) -> Real:
         compression = self.extended - length
         if np.any(compression >= self.gas_length):
-            raise DesignError(
-                "springs.gas_length",
-                f"the gas spring is compressed by {mm(np.fmax.reduce(compression, axis=None)):.5g}",
-                "give a longer gas column, or a shorter spring",
-            )
+            problem = f"the gas spring is compressed by {mm(np.fmax.reduce(compression, axis=None)):.5g}"
+            raise DesignError("springs.gas_length", problem, "give a longer gas column, or a shorter spring")
         return np.where(compression >= 0, -self.force / (1 - compression / self.gas_length), 0.0)
 
 

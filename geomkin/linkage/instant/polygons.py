@@ -350,12 +350,8 @@ def _polygon(motion: Motion, frame: int, order: Literal[1, 2], size: float, scal
         )
     parts, value, members = polygon_parts(motion, order, frame)
     if not np.isfinite(np.array(list(value.values()))).all():
-        raise DesignError(
-            "frame",
-            f"frame {frame} is open or at a dead centre",
-            "give a frame at which the linkage is assembled and moves",
-            "does-not-assemble",
-        )
+        remedy = "give a frame at which the linkage is assembled and moves"
+        raise DesignError("frame", f"frame {frame} is open or at a dead centre", remedy, "does-not-assemble")
     reached = np.array([0j, *(part.tip for part in parts)])
     least = ROUNDING * float(np.abs(reached).max())
     if scale is None:

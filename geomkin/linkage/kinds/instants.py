@@ -33,7 +33,7 @@ from ..linkage import LINKAGES, AbstractLinkage
 from ..motion import Motion, is_translating, on_ground
 from ..moving import move
 from ..named_linkages import FourBar, SliderCrank
-from ..parts.engraved import PlateStock, arrow, engraved, skeleton
+from ..parts.stock import PlateStock, arrow, engraved, skeleton
 from ..scene_handles import body_point
 from ..scene_instants import centrodes_scene, inflection_scene
 from . import linkage_kinds

@@ -288,12 +288,8 @@ def with_corners(
         whole.setdefault(corner.body, {})
         missing = [p for p in corner.base if p not in whole[corner.body]]
         if missing:
-            raise DesignError(
-                f"corners[{k}]",
-                f"{corner.body} has no point {missing[0]}",
-                f"give it under bodies.{corner.body}",
-                "unknown-key",
-            )
+            problem = f"{corner.body} has no point {missing[0]}"
+            raise DesignError(f"corners[{k}]", problem, f"give it under bodies.{corner.body}", "unknown-key")
         whole[corner.body][corner.point] = _corner(k, corner, *(whole[corner.body][p] for p in corner.base))
     return whole
 

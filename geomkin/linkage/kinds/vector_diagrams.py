@@ -52,9 +52,8 @@ from ..instant.polygons import (
 from ..motion import Motion, motion_table
 from ..moving import move
 from ..named_linkages import SliderCrank
-from ..parts.engraved import PlateStock, arrow, engraved, skeleton
 from ..parts.stack import link_parts
-from ..parts.stock import LinkStock
+from ..parts.stock import LinkStock, PlateStock, arrow, engraved, skeleton
 from ..scene import linkage_scene
 from ..scene_handles import body_point, handle_position, linkage_handles
 from ..scene_instants import force_scene, polygons_scene

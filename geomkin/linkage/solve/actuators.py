@@ -60,11 +60,8 @@ class ActuatedRRR(InputDyad):
 
     def __post_init__(self) -> None:
         if np.any(self.constant == 0):
-            raise DesignError(
-                "bodies",
-                f"the actuator and the bar that meet in {self.joint} have the same fixed pivot, so nothing turns",
-                "move their other pins apart",
-            )
+            problem = f"the actuator and the bar that meet in {self.joint} have the same fixed pivot, so nothing turns"
+            raise DesignError("bodies", problem, "move their other pins apart")
 
     @property
     def leader(self) -> str:

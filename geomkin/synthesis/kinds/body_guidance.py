@@ -16,8 +16,7 @@ from ...core.units import bare_mm, unit_name
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
 from ...linkage.motion import Motion, unwrapped_deg
 from ...linkage.moving import move
-from ...linkage.parts.engraved import PlateStock, engraved, pose_axes, skeleton
-from ...linkage.parts.stock import LinkStock
+from ...linkage.parts.stock import LinkStock, PlateStock, engraved, pose_axes, skeleton
 from ...model.check import Check
 from ...model.part import Part
 from ...model.scene import Choice, Limit, Plot, Scene, SceneCurve, SceneHandle, SceneRegion, list_handles, pose_handles

@@ -12,7 +12,7 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
 from ...core.units import mm
-from ...linkage.parts.engraved import PlateStock, engraved, pose_axes
+from ...linkage.parts.stock import PlateStock, engraved, pose_axes
 from ...model.check import Check
 from ...model.part import Part
 from ...model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark, circle_handle, pose_handles

@@ -73,12 +73,8 @@ class RequiredFunction:
                 "rows", f"{given}, with function = {self.function!r}", "give rows with function = 'table'", "conflict"
             )
         if self.coefficients and self.function not in NAMED:
-            raise DesignError(
-                "coefficients",
-                f"is given, with function = {self.function!r}",
-                f"give them with {', '.join(NAMED)}",
-                "conflict",
-            )
+            problem = f"is given, with function = {self.function!r}"
+            raise DesignError("coefficients", problem, f"give them with {', '.join(NAMED)}", "conflict")
         if (self.points != 3 or self.points_at) and self.method != "points":
             raise DesignError(
                 "method", f"found {self.method}, with precision points", "give points, or leave those out", "conflict"

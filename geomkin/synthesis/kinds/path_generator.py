@@ -17,8 +17,7 @@ from ...core.records import record
 from ...core.units import INCH, marked
 from ...linkage.coupler_curve import CouplerCurve
 from ...linkage.moving import move
-from ...linkage.parts.engraved import PlateStock, engraved, skeleton
-from ...linkage.parts.stock import LinkStock
+from ...linkage.parts.stock import LinkStock, PlateStock, engraved, skeleton
 from ...model.check import Check
 from ...model.part import Part
 from ...model.scene import SceneCurve, SceneHandle, list_handles
@@ -117,12 +116,8 @@ def _rows(text: str, name: str) -> Complex:
                 "wrong-type",
             ) from None
         if not (abs(x) <= FARTHEST and abs(y) <= FARTHEST):
-            raise DesignError(
-                "file",
-                f"row {k} of {name} holds {x:g}, {y:g}",
-                f"give coordinates within {FARTHEST:g} of 0",
-                "out-of-range",
-            )
+            problem = f"row {k} of {name} holds {x:g}, {y:g}"
+            raise DesignError("file", problem, f"give coordinates within {FARTHEST:g} of 0", "out-of-range")
         points.append(complex(x, y))
     return np.array(points, dtype=complex)
 
