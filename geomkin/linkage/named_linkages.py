@@ -154,12 +154,9 @@ class InvertedSliderCrank(AbstractLinkage):
     )
     crank: FloatOrArray = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
     offset: FloatOrArray = quantity(
-        "distance of the slide line from the pin at which its body turns, to the left",
-        "mm",
-        default=0.0,
-        at_least=-FARTHEST,
-        at_most=FARTHEST,
-    )
+        "distance of the slide line from the pin at which its body turns, to the left", "mm", default=0.0,
+        at_least=-FARTHEST, at_most=FARTHEST,
+    )  # fmt: skip
     line: Literal["rocker", "coupler"] = entry("body that has the slide line", default="rocker")
     point: ComplexOrArray = entry(
         "point traced by the body with the slide line, from its pin, x along the line, [x, y] in mm",

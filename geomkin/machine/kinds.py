@@ -40,12 +40,9 @@ class MachineDrive:
     """How the machine is driven."""
 
     speed_rpm: float = quantity(
-        "speed of the driver of the first mechanism; negative if clockwise",
-        "rpm",
-        default=60.0,
-        at_least=-1e6,
+        "speed of the driver of the first mechanism; negative if clockwise", "rpm", default=60.0, at_least=-1e6,
         at_most=1e6,
-    )
+    )  # fmt: skip
     speed_fluctuation: float | None = quantity(
         "allowed difference of the largest and the least speed over their mean under a constant torque, for a flywheel "
         "on the driver", default=None, above=0, at_most=1,

@@ -87,12 +87,9 @@ class Mechanism:
         default=None,
     )
     phase_deg: float = quantity(
-        "rotation of its driver from its own first position when the machine is at its first",
-        "deg",
-        default=0.0,
-        at_least=-360,
-        at_most=360,
-    )
+        "rotation of its driver from its own first position when the machine is at its first", "deg", default=0.0,
+        at_least=-360, at_most=360,
+    )  # fmt: skip
     angle_deg: float = quantity(
         "rotation of the whole mechanism about the axis of its driver", "deg", default=0.0, at_least=-360, at_most=360
     )

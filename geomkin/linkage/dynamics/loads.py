@@ -296,13 +296,9 @@ class GasSpring(_TwoPoints):
     force: float = quantity("push when fully extended", "N", default=0.0, at_least=0, at_most=FARTHEST, example=100)
     extended: float = quantity("length when extended", "mm", default=0.0, at_least=0, at_most=FARTHEST, example=200)
     gas_length: float = quantity(
-        "length of the gas column: the push is force / (1 - compression / gas_length)",
-        "mm",
-        default=FARTHEST,
-        above=0,
-        at_most=FARTHEST,
-        example=300,
-    )
+        "length of the gas column: the push is force / (1 - compression / gas_length)", "mm", default=FARTHEST,
+        above=0, at_most=FARTHEST, example=300,
+    )  # fmt: skip
     stroke: float | None = quantity(
         "by which its rod goes in; a check then compares its lengths in motion", "mm", default=None, above=0,
         at_most=FARTHEST,

@@ -37,21 +37,13 @@ class DwellBand:
     """The band within which an output counts as standing still, in a recipe."""
 
     band_deg: float | None = quantity(
-        "largest less smallest angle of the output in its dwell; for an output that turns",
-        "deg",
-        default=None,
-        above=0,
-        at_most=360,
-        example=0.5,
-    )
+        "largest less smallest angle of the output in its dwell; for an output that turns", "deg", default=None,
+        above=0, at_most=360, example=0.5,
+    )  # fmt: skip
     band_mm: float | None = quantity(
-        "largest less smallest displacement of the output in its dwell; for an output that slides",
-        "mm",
-        default=None,
-        above=0,
-        at_most=FARTHEST,
-        example=0.5,
-    )
+        "largest less smallest displacement of the output in its dwell; for an output that slides", "mm",
+        default=None, above=0, at_most=FARTHEST, example=0.5,
+    )  # fmt: skip
     output: str = entry("the body; by default the last one on the ground that does not drive", default="")
 
     def body(self, linkage: Linkage) -> str:
@@ -228,13 +220,9 @@ class StraightLineTable:
         units=("deg", "deg"),
     )
     least_length: float | None = quantity(
-        "least length of the line, such as a stroke or a stride",
-        "mm",
-        default=None,
-        above=0,
-        at_most=FARTHEST,
+        "least length of the line, such as a stroke or a stride", "mm", default=None, above=0, at_most=FARTHEST,
         example=10,
-    )
+    )  # fmt: skip
     most_speed_variation_percent: float | None = quantity(
         "largest variation of the speed along the line: largest less least, over the mean, at a constant speed of the "
         "driver",

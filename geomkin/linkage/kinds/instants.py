@@ -169,12 +169,9 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
         "driver's angle that is drawn; by default 15", "deg", default=None, at_least=-360, at_most=360
     )
     position_mm: float | None = quantity(
-        "driver's displacement that is drawn, if a slide drives; by default the middle of its stroke",
-        "mm",
-        default=None,
-        at_least=-FARTHEST,
-        at_most=FARTHEST,
-    )
+        "driver's displacement that is drawn, if a slide drives; by default the middle of its stroke", "mm",
+        default=None, at_least=-FARTHEST, at_most=FARTHEST,
+    )  # fmt: skip
     branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
     drive: Turn = entry("how the driver turns, for the table", default=Turn())
@@ -321,12 +318,9 @@ class CentrodesRecipe(AbstractBodyRecipe):
     branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
     reach: float = quantity(
-        "largest distance from the body's origin (of a coupler its crank pin) to which the centrodes are drawn",
-        "mm",
-        default=200.0,
-        above=0,
-        at_most=10_000,
-    )
+        "largest distance from the body's origin (of a coupler its crank pin) to which the centrodes are drawn", "mm",
+        default=200.0, above=0, at_most=10_000,
+    )  # fmt: skip
     drive: Turn = entry("how the driver turns", default=Turn())
     stroke: Stroke | None = entry("how the driver slides, if a slide drives", default=None)
     stock: PlateStock = entry("the plates", default=PlateStock())

@@ -76,11 +76,9 @@ class PolygonsRecipe(AbstractRecipe):
     kind: Literal["polygons"] = "polygons"
     linkage: BodyList
     position: float = quantity(
-        "angle of the driver, deg, or its displacement, mm, if it slides",
-        default=60.0,
-        at_least=-FARTHEST,
+        "angle of the driver, deg, or its displacement, mm, if it slides", default=60.0, at_least=-FARTHEST,
         at_most=FARTHEST,
-    )
+    )  # fmt: skip
     speed: float = quantity("speed of the driver: rad/s or mm/s", default=10.0, at_least=-FARTHEST, at_most=FARTHEST)
     acceleration: float = quantity(
         "acceleration of the driver: rad/s2 or mm/s2", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
@@ -257,20 +255,13 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
     linkage: SliderCrank
     masses: SliderCrankMasses
     counterbalance: float = quantity(
-        "given counterbalance, mass times radius opposite the crank pin",
-        "kg mm",
-        default=0.0,
-        example=35,
-        at_least=-1e6,
-        at_most=1e6,
-    )
+        "given counterbalance, mass times radius opposite the crank pin", "kg mm", default=0.0, example=35,
+        at_least=-1e6, at_most=1e6,
+    )  # fmt: skip
     weight_density: float = quantity(
-        "density of the counterweight's sheet, which is as thick as the links",
-        "kg/m3",
-        default=7850.0,
-        above=0,
+        "density of the counterweight's sheet, which is as thick as the links", "kg/m3", default=7850.0, above=0,
         at_most=30000,
-    )
+    )  # fmt: skip
     branch: Side = entry("1 or -1: slider right or left of the crank pin", default=1)
     drive: Turn = entry("how the crank turns", default=Turn())
     stock: LinkStock = entry("sheet and pins of the links", default=LinkStock())

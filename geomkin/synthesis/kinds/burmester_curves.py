@@ -49,11 +49,8 @@ class FourWanted:
     )
     reach: float | None = quantity(
         "largest distance of the curves from the middle of the poses; three times the farthest pose if left out",
-        "mm",
-        default=None,
-        above=0,
-        at_most=FARTHEST,
-    )
+        "mm", default=None, above=0, at_most=FARTHEST,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         if len(self.poses) != 4:
@@ -84,12 +81,9 @@ class BurmesterCurvesRecipe(AbstractRecipe):
     kind: Literal["burmester-curves"] = "burmester-curves"
     wanted: FourWanted
     rows: int = quantity(
-        "number of dyads in the table, evenly spaced along the centre-point curve",
-        default=200,
-        at_least=2,
-        at_most=20_000,
-        whole=True,
-    )
+        "number of dyads in the table, evenly spaced along the centre-point curve", default=200, at_least=2,
+        at_most=20_000, whole=True,
+    )  # fmt: skip
     stock: PlateStock = entry("the plate", default=PlateStock())
     files: Files = entry("what is written", default=Files())
 

@@ -111,23 +111,17 @@ class RequiredAngle(RequiredFunction):
     """A function with a rocker's angle as the output."""
 
     output_deg: float = quantity(
-        "rotation of the rocker from y(x_start) to y(x_end), counterclockwise",
-        "deg",
-        default=90.0,
-        at_least=-359,
+        "rotation of the rocker from y(x_start) to y(x_end), counterclockwise", "deg", default=90.0, at_least=-359,
         at_most=359,
-    )
+    )  # fmt: skip
     output_start_deg: float | None = _start_deg("rocker's angle from the ground line at x_start")
     ground: float = quantity(
         "distance between the two ground pivots", "mm", default=100.0, at_least=SMALLEST, at_most=FARTHEST
     )
     largest_error_deg: float | None = quantity(
-        "largest error of the output that passes the check; a hundredth of its range if left out",
-        "deg",
-        default=None,
-        above=0,
-        at_most=360,
-    )
+        "largest error of the output that passes the check; a hundredth of its range if left out", "deg",
+        default=None, above=0, at_most=360,
+    )  # fmt: skip
 
 
 @record(kw_only=True)
@@ -135,26 +129,17 @@ class RequiredSliderPosition(RequiredFunction):
     """A function with a slider's position as the output."""
 
     output_mm: float = quantity(
-        "travel of the slider from y(x_start) to y(x_end), along +x",
-        "mm",
-        default=50.0,
-        at_least=-FARTHEST,
+        "travel of the slider from y(x_start) to y(x_end), along +x", "mm", default=50.0, at_least=-FARTHEST,
         at_most=FARTHEST,
-    )
+    )  # fmt: skip
     output_start_mm: float | None = quantity(
-        "slider's x at x_start, from the crank pivot; found if left out",
-        "mm",
-        default=None,
-        at_least=-FARTHEST,
+        "slider's x at x_start, from the crank pivot; found if left out", "mm", default=None, at_least=-FARTHEST,
         at_most=FARTHEST,
-    )
+    )  # fmt: skip
     largest_error_mm: float | None = quantity(
-        "largest error of the output that passes the check; a hundredth of its range if left out",
-        "mm",
-        default=None,
-        above=0,
-        at_most=FARTHEST,
-    )
+        "largest error of the output that passes the check; a hundredth of its range if left out", "mm", default=None,
+        above=0, at_most=FARTHEST,
+    )  # fmt: skip
 
 
 @record(kw_only=True)

@@ -173,12 +173,9 @@ class WantedPath:
         "crank angles at the points, rising or falling; only differences count; free if left out", default=None
     )
     step_deg: float | None = quantity(
-        "equal steps of the crank angle from point to point, instead of drive_deg",
-        "deg",
-        default=None,
-        at_least=-180,
-        at_most=180,
-    )
+        "equal steps of the crank angle from point to point, instead of drive_deg", "deg", default=None,
+        at_least=-180, at_most=180,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         given = [name for name in ("points", "file", "svg") if getattr(self, name) is not None]
@@ -277,11 +274,8 @@ class PathEffort(Search):
 
     effort: int = quantity(
         "work of the search for closed paths and for more than four bars: 3 takes three times as long and comes nearer",
-        default=1,
-        at_least=1,
-        at_most=100,
-        whole=True,
-    )
+        default=1, at_least=1, at_most=100, whole=True,
+    )  # fmt: skip
 
 
 @record(kw_only=True)
