@@ -231,11 +231,6 @@ def in_driver_unit(motion: Motion, drive: float) -> float:
     return drive if motion.linkage.driven_slider else float(np.degrees(drive))
 
 
-def driver_at(motion: Motion, frame: int) -> float:
-    """The driver at a frame as tables state it: deg, or mm if it slides."""
-    return in_driver_unit(motion, float(motion.drive[frame]))
-
-
 def transmission_check(motion: Motion, advice: str = "") -> Check:
     """The least transmission angle over the motion, deg."""
     least, drive = transmission_extreme(motion, -1)

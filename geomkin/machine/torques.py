@@ -74,8 +74,8 @@ def check_walker(mechanisms: Mapping[str, Mechanism], graph: ShaftGraph, table: 
 
 
 @record(eq=False)
-class MachineWalking:
-    """How a machine stands and walks over a turn of its legs.
+class TurningMachine:
+    """A machine over rotations of its driver.
 
     graph: its shafts. mechanisms, recipes, poses: by name. turns: rotations of the driver at the frames. speed_rpm: of
     the driver.
@@ -87,6 +87,17 @@ class MachineWalking:
     poses: Mapping[str, Pose]
     turns: Real
     speed_rpm: float
+
+    def turn(self, name: str, turns: Real) -> Real:
+        """Angle of a mechanism's driver, rad, at rotations of that of the machine."""
+        phase = np.radians(self.mechanisms[name].phase_deg)
+        return np.asarray(2 * np.pi * float(self.graph.speeds[name]) * turns + phase)
+
+
+@record(eq=False)
+class MachineWalking(TurningMachine):
+    """How a machine stands and walks over a turn of its legs."""
+
     table: WalkerTable
 
     @cached_property
@@ -95,10 +106,9 @@ class MachineWalking:
         return feet_of(self.mechanisms)
 
     def _own(self, name: str, turns: Real) -> Standing:
-        ratio = float(self.graph.speeds[name])
-        turn = 2 * np.pi * ratio * turns + np.radians(self.mechanisms[name].phase_deg)
+        speed = float(self.graph.speeds[name]) * self.speed_rpm * np.pi / 30
         with errors_of(name):
-            return self.recipes[name].standing_at(turn, self.feet.get(name, ""), ratio * self.speed_rpm * np.pi / 30)
+            return self.recipes[name].standing_at(self.turn(name, turns), self.feet.get(name, ""), speed)
 
     @cached_property
     def _carried(self) -> Mapping[str, Standing]:
@@ -224,20 +234,13 @@ BETWEEN = 3
 
 
 @record(eq=False)
-class MachineTorques:
+class MachineTorques(TurningMachine):
     """The torques of a machine.
 
-    graph: its shafts. mechanisms, recipes, poses: by name; the recipes are in their settings, without the torques that
-    others take from them. turns: rotations of the driver at the frames. speed_rpm: of the driver. walking: of a walker.
+    The recipes are in their settings, without the torques that others take from them. walking: of a walker.
     speed_fluctuation: allowed, for a flywheel.
     """
 
-    graph: ShaftGraph
-    mechanisms: Mapping[str, Mechanism]
-    recipes: Mapping[str, AbstractRecipe]
-    poses: Mapping[str, Pose]
-    turns: Real
-    speed_rpm: float
     walking: MachineWalking | None = None
     speed_fluctuation: float | None = None
 
@@ -250,10 +253,6 @@ class MachineTorques:
         """Torque on the machine's driver at rotations of it, N mm; None without loads."""
         return self.by_driver_at(turns).get(self.graph.driver)
 
-    def _turn(self, name: str, turns: Real) -> Real:
-        phase = np.radians(self.mechanisms[name].phase_deg)
-        return np.asarray(2 * np.pi * float(self.graph.speeds[name]) * turns + phase)
-
     @cached_property
     def shaking(self) -> tuple[Complex, Real] | None:
         """Force, N, and moment about the driver's axis, N mm, by which all masses shake the frame, at the frames.
@@ -262,7 +261,7 @@ class MachineTorques:
         """
         force, moment, is_known, origin = np.zeros(len(self.turns), complex), np.zeros(len(self.turns)), False, None
         for name in self.graph.order:
-            recipe, turn = self.recipes[name], self._turn(name, self.turns)
+            recipe, turn = self.recipes[name], self.turn(name, self.turns)
             axis = complex(self.poses[name].place(next(iter(self.graph.bodies[name].values())).axis))
             origin = axis if origin is None else origin
             if (own := recipe.shaking_at(turn)) is not None:
@@ -297,7 +296,7 @@ class MachineTorques:
         """
         graph, torques = self.graph, dict[str, Real]()
         for name in reversed(graph.order):
-            own = self.recipes[name].torque_at(self._turn(name, turns))
+            own = self.recipes[name].torque_at(self.turn(name, turns))
             parts = [] if own is None else [own]
             for other, (turned_by, body) in graph.sources.items():
                 if turned_by == name and other in torques:

@@ -29,7 +29,7 @@ from ..scene import vector_marks
 from .copies import is_whole_turn
 from .linkage_forces import EFFORT, AbstractLinkageForces, ComparedMotor, compared_motor
 from .load_tables import ROUNDS, UNBALANCED, BalancedPlates, LinkageRun, balanced_plates, linkage_run
-from .loads import LoadsTable, number_of_columns
+from .loads import LoadsTable
 from .made import MadeLinkage
 
 # Least share of the weight of its parts and its motor that the feet of a walker carry, %: the forces are estimates, and
@@ -48,7 +48,8 @@ class LoadsAspect(AbstractLinkageForces):
     @property
     def most_columns(self) -> int:
         made = self.mechanism
-        return number_of_columns(self.linkage) + (2 + len(made.copies) if made.foot else 0)
+        forces = 13 + 3 * sum(joint.count for joint in self.linkage.joints)
+        return forces + (2 + len(made.copies) if made.foot else 0)
 
     def check(self) -> None:
         made, table = self.mechanism, self.given

@@ -22,7 +22,6 @@ from ...recipe.settings import BodyMass, Gravity, gravity_entry
 from ..dynamics.inverse import ForceAnalysis, forces
 from ..dynamics.loads import DriveTable, Force, GasSpring, Loads, SlideForce, Spring, Torque, TorsionSpring
 from ..dynamics.wrenches import PinFriction, SlideFriction, Wrenches, known_body, known_place
-from ..linkage import Linkage
 from ..motion import Motion
 from ..parts.stock import LinkStock
 from ..scene_handles import body_point
@@ -380,8 +379,3 @@ def loads_entry() -> Any:
         "masses, gravity, forces, springs and friction; the table then has the driver effort and the joint forces",
         default=None,
     )
-
-
-def number_of_columns(linkage: Linkage) -> int:
-    """Number of columns that loads add to a table."""
-    return 13 + 3 * sum(joint.count for joint in linkage.joints)

@@ -27,7 +27,7 @@ from ..checks import (
     MOST_FORCE_TO_BEST,
     assembly_failure,
     collision_check,
-    driver_at,
+    in_driver_unit,
     reached,
 )
 from ..dynamics.shaking import (
@@ -179,7 +179,7 @@ class PolygonsRecipe(AbstractRecipe):
     def design_checks(self) -> tuple[Check, ...]:
         angle, least = np.degrees(self.motion.transmission_angle[0]), LEAST_ANGLE_OF_POLYGONS_DEG
         advice = "near a dead centre the polygons become too large"
-        at, name = driver_at(self.motion, 0), "transmission angle here"
+        at, name = in_driver_unit(self.motion, float(self.motion.drive[0])), "transmission angle here"
         check = Check("transmission_angle", name, angle, "at least", least, "deg", advice, at=at)
         return (check, components_check(self.motion)) if self.effective_components else (check,)
 
