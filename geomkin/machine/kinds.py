@@ -306,18 +306,14 @@ class MachineRecipe(AbstractAssembledRecipe):
         speeds = (f"{name} {speed}" for name, speed in self.graph.speeds.items())
         return (
             f"rotations for one of the driver: {', '.join(speeds)}",
-            f"the motion repeats after {self._period} of the driver",
+            f"the motion repeats after {_turns(self.graph.period)} of the driver",
         )
 
     @property
     def quantities(self) -> Mapping[str, str]:
         """The period and the speed of each mechanism."""
         speeds = {f"speed of {name}": f"{speed} of the driver's" for name, speed in self.graph.speeds.items()}
-        return {"period": f"{self._period} of the driver", **speeds}
-
-    @property
-    def _period(self) -> str:
-        return f"{self.graph.period} turn{'s' if self.graph.period != 1 else ''}"
+        return {"period": f"{_turns(self.graph.period)} of the driver", **speeds}
 
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
@@ -332,6 +328,10 @@ class MachineRecipe(AbstractAssembledRecipe):
         return {
             "mechanisms": {"pair": Mechanism(recipe=pair), "pump": Mechanism(recipe=crank, turned_by="pair.second")}
         }
+
+
+def _turns(count: object) -> str:
+    return f"{count} turn{'s' if count != 1 else ''}"
 
 
 def alone(mechanisms: Mapping[str, Mechanism]) -> Mapping[str, AbstractRecipe]:

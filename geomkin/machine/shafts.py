@@ -440,8 +440,9 @@ class MachineAssembly:
     def bought(self) -> tuple[Bought, ...]:
         """Items of all mechanisms, equal ones in one line, and the shafts that join them instead of their own."""
         lines: dict[str, Bought] = {}
+        joined = {joint for shaft in self.shafts for joint in shaft.joints.items()}
         for name, recipe in self.recipes.items():
-            replaced = [item for item in recipe.shaft_items if {(name, j) for j in item.joints} & self._replaced]
+            replaced = [item for item in recipe.shaft_items if {(name, j) for j in item.joints} & joined]
             for item in recipe.bought:
                 own = [other for other in replaced if other.name == item.name]
                 joints = set(item.joints).difference(*(other.joints for other in own))
@@ -461,11 +462,6 @@ class MachineAssembly:
     def shaft_items(self) -> tuple[Bought, ...]:
         """None: a machine is no mechanism of another."""
         return ()
-
-    @property
-    def _replaced(self) -> set[tuple[str, str]]:
-        """Mechanism and joint of each shaft that a shaft of the machine replaces."""
-        return {joint for shaft in self.shafts for joint in shaft.joints.items()}
 
     @property
     def steps(self) -> tuple[str, ...]:
