@@ -9,9 +9,8 @@ from numpy.typing import ArrayLike
 
 from ..core.arguments import checked
 from ..core.errors import DesignError, shown
-from ..core.fields import FARTHEST, entry, quantity
+from ..core.fields import FARTHEST, entry, moving_picture, quantity
 from ..core.records import record
-from ..core.reprs import moving_picture
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Array, Complex, Pose, Real
 from .followers.follower import AbstractFollower, Contact, Follower

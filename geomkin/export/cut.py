@@ -15,11 +15,11 @@ from ..core.units import mm
 from ..model.part import Part
 from ..plane import measure as measure
 from ..plane import region as region
-from ..plane.arcs import to_arcs
+from ..plane.approximation import to_arcs
 from ..plane.curve import AbstractCurve, extent
 from ..plane.flatten import flatten
-from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
+from ..plane.region import parallel
 from ..plane.vec import Complex, box_of, rounded
 from .text import lettered
 

@@ -10,7 +10,7 @@ from ..core.errors import DesignError
 from ..core.records import record
 from ..core.version import __version__
 from ..model.part import Part, Twist
-from ..plane.spline_fit import SmoothPiece, smooth_pieces
+from ..plane.approximation import SmoothPiece, smooth_pieces
 from ..plane.vec import Complex, Real, rounded
 from .cut import Cut, decimals
 from .job import Job

@@ -11,9 +11,8 @@ import numpy as np
 
 from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
-from ..core.fields import Length, entry, quantity
+from ..core.fields import Length, entry, quantity, still_picture
 from ..core.records import record
-from ..core.reprs import still_picture
 from ..core.units import bare_mm, mm
 from ..plane.curve import AbstractCurve, Reversed
 from ..plane.primitives import Arc, Segment

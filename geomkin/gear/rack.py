@@ -6,9 +6,8 @@ import numpy as np
 
 from ..core.arguments import FloatOrNan, checked
 from ..core.errors import DesignError
-from ..core.fields import entry, inside, quantity, rounded_down, rounded_up
+from ..core.fields import entry, inside, moving_picture, quantity, rounded_down, rounded_up
 from ..core.records import record
-from ..core.reprs import moving_picture
 from ..core.units import bare_mm, mm
 from ..plane.primitives import Polyline
 from ..plane.vec import Pose, Real

@@ -12,10 +12,9 @@ import numpy as np
 from ..core.arguments import ArgumentType, FloatOrNan, PositiveFloat, checked
 from ..core.errors import DesignError, shown
 from ..core.field_visitor import WrittenForm
-from ..core.fields import Length, to_digits
+from ..core.fields import Length, still_picture, to_digits
 from ..core.names import check_names
 from ..core.records import record
-from ..core.reprs import still_picture
 from ..core.units import as_sentences, mm
 from ..plane.curve import AbstractCurve
 from ..plane.measure import AreaMoments, area_moments

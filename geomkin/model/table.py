@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ..core.arguments import ArgumentType
 from ..core.errors import DesignError, shown
+from ..core.fields import clipped
 from ..core.records import record
-from ..core.reprs import clipped
 from ..core.units import MM, LengthUnit, as_sentences
 from ..plane.vec import Array, Complex, Real, known, rounded
 

@@ -13,9 +13,8 @@ from typing import Any, ClassVar, Protocol, Self
 from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.field_visitor import DeclaredField, fields_of, with_lengths
-from ..core.fields import entry, quantity, to_digits
+from ..core.fields import entry, moving_picture, quantity, to_digits
 from ..core.records import record
-from ..core.reprs import moving_picture
 from ..core.units import Units, in_sentences
 from ..model.check import Check, WorkedFormula
 from ..model.machinability import ADVICE, beam_checks, relieved, thinnest_walls, wall_checks

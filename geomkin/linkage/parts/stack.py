@@ -342,12 +342,8 @@ def stack_assembly(motion: Motion, stock: LinkStock, assembly: LinkAssembly) -> 
     """Arrange given plates as `stack_links` does."""
     meetings = Meetings(motion, stock, assembly)
     if (count := len({*meetings.layered.values()})) > LARGEST:
-        raise DesignError(
-            "bodies",
-            f"found {count} plates that move",
-            f"give at most {LARGEST}, or make it in pieces",
-            "too-much-work",
-        )
+        problem = f"found {count} plates that move"
+        raise DesignError("bodies", problem, f"give at most {LARGEST}, or make it in pieces", "too-much-work")
     if stock.fastener_used.form == "snap" and (slotted := next((pin for pin in assembly.pins if pin.slots), None)):
         problem = f"found snap, but pin {slotted.name} runs in a slot, in which flat pins turn and slip out"
         raise DesignError("printing.pins", problem, 'give "bought"', "conflict")
