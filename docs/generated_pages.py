@@ -8,7 +8,7 @@ from pathlib import Path
 from published import published_pages
 
 import geomkin as gk
-from geomkin.core.reprs import clipped
+from geomkin.core.fields import clipped
 from geomkin.model.explanations import CHECKS, REFUSALS, TERMS
 from geomkin.recipe.kinds import all_kinds, gallery, recipe_class
 from geomkin.recipe.template import schema

@@ -86,8 +86,6 @@ from .linkage.coupler_curve import CouplerCurve as CouplerCurve
 from .linkage.drive_limits import driver_limits as driver_limits
 from .linkage.dynamics.counterweights import balance as balance
 from .linkage.dynamics.forward import forward_dynamics as forward_dynamics
-from .linkage.dynamics.friction import PinFriction as PinFriction
-from .linkage.dynamics.friction import SlideFriction as SlideFriction
 from .linkage.dynamics.inverse import forces as forces
 from .linkage.dynamics.loads import (
     DriveTable as DriveTable,
@@ -113,8 +111,10 @@ from .linkage.dynamics.loads import (
 from .linkage.dynamics.loads import (
     TorsionSpring as TorsionSpring,
 )
+from .linkage.dynamics.wrenches import PinFriction as PinFriction
+from .linkage.dynamics.wrenches import SlideFriction as SlideFriction
 from .linkage.joints.gear_mesh import GearMesh as GearMesh
-from .linkage.joints.pin_in_slot import PinInSlot as PinInSlot
+from .linkage.joints.slide import PinInSlot as PinInSlot
 from .linkage.joints.slide import Slider as Slider
 from .linkage.linkage import Linkage as Linkage
 from .linkage.measures import least_transmission_angle as least_transmission_angle
@@ -135,11 +135,9 @@ from .linkage.named_linkages import (
     ScotchYoke as ScotchYoke,
 )
 from .linkage.named_linkages import (
-    Shaper as Shaper,
-)
-from .linkage.named_linkages import (
     SliderCrank as SliderCrank,
 )
+from .linkage.six_bars import Shaper as Shaper
 from .linkage.six_bars import StephensonSixBar as StephensonSixBar
 from .linkage.six_bars import WattSixBar as WattSixBar
 from .linkage.solve.branch import Continuation as Continuation
@@ -154,7 +152,7 @@ from .model.part import Twist as Twist
 from .model.table import Column as Column
 from .model.table import Table as Table
 from .optimisation.optimiser import optimise as optimise
-from .plane.arcs import to_arcs as to_arcs
+from .plane.approximation import to_arcs as to_arcs
 from .plane.curve import AbstractCurve as AbstractCurve
 from .plane.flatten import flatten as flatten
 from .plane.measure import area as area

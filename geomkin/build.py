@@ -16,16 +16,15 @@ from .core.names import PathName, file_name_flaw
 from .core.records import record
 from .core.units import UNITS
 from .export.cut import LayerStyles
-from .export.files import remove, write_whole
 from .export.formats import WRITERS, format_of, tail_of
 from .export.job import Job, StaticSource
-from .export.summary import CERTIFICATE, FOUND, NAME, Stamp, listed_files, recipe_hash, summary
+from .export.summary import CERTIFICATE, FOUND, NAME, Stamp, listed_files, recipe_hash, remove, summary, write_whole
 from .model.check import Check
 from .model.part import Part
 from .model.table import Table
 from .recipe import load as reading
 from .recipe.load import to_toml
-from .recipe.messages import of_default
+from .recipe.reader import of_default
 from .recipe.recipe import SHARED, AbstractGoal, AbstractRecipe
 from .recipe.settings import Files, Format
 from .recipe.shown import ShownRecipe
@@ -247,8 +246,8 @@ def _facts(results: ShownRecipe) -> tuple[str, ...]:
 def index(out: PathName = "out") -> dict[Path, int]:
     """Write `out`/index.html, a page with a card for each recipe made into `out`.
 
-    A card shows the assembly, the kind and the number of passed checks, with links to the page and the files. Other
-    files in the folder stay as they are.
+    A card shows the assembly, the kind and the number of passed checks, with links to the page and the files. The cards
+    are in groups of kinds and are searched by words. Other files in the folder stay as they are.
 
     Parameters
     ----------
@@ -271,9 +270,12 @@ def index(out: PathName = "out") -> dict[Path, int]:
     """
     folder = Path(out)
     # Imported here, since a run of a single recipe needs no index.
-    from .page.page import index_page
+    from .page.cards import index_page
+    from .recipe.kinds import all_kinds, recipe_class
+    from .recipe.search import other_names
 
-    contents = index_page(folder)
+    kinds = {kind: (row.group, recipe_class(kind).about(), other_names(kind)) for kind, row in all_kinds().items()}
+    contents = index_page(folder, kinds)
     write_whole(folder, contents)
     return {folder / name: len(content) for name, content in contents.items()}
 

@@ -44,7 +44,7 @@ ALONE = {
     "click": {"cli/__init__.py", "cli/recipes.py", "cli/show.py", "cli/write.py", "__main__.py"},
     "highspy": {"cam/program/optimise.py"},
     "nlopt": {"optimisation/search.py", "linkage/dynamics/counterweights.py"},
-    "mpmath": {"tradeoff/cell.py"},
+    "mpmath": {"tradeoff/family.py"},
 }
 
 

@@ -16,7 +16,7 @@ from geomkin.build import check_recipe
 from geomkin.core.errors import Problem
 from geomkin.recipe.kinds import kind_names
 from geomkin.recipe.load import plain_table
-from geomkin.recipe.messages import ALSO_KNOWN_AS, NOT_OFFERED, did_you_mean, nearest_kind
+from geomkin.recipe.search import ALSO_KNOWN_AS, ENDINGS, FILLERS, NOT_OFFERED, STEM, did_you_mean, nearest_kind
 
 GALLERY = Path(__file__).parent.parent / "recipes"
 PAIR = str(Path(__file__).parent / "cases/pair-without-backlash.toml")
@@ -190,7 +190,7 @@ def test_new_names_the_files_that_a_recipe_of_the_gallery_reads(command, tmp_pat
     [
         ("klann-linkage", ["klann"]),
         ("hoeken", ["hoecken"]),
-        ("straight line", ["hoecken", "peaucellier", "watt"]),
+        ("straight line", ["hoecken", "peaucellier", "roberts"]),
         ("../recipes/klann", ["klann"]),
         ("gripper", ["parallel-gripper"]),
     ],
@@ -226,6 +226,29 @@ def test_every_other_name_is_that_of_one_kind_or_recipe_and_of_nothing_else():
     for one, names in ALSO_KNOWN_AS.items():
         for name in (*names, f"{names[0]}s".upper()):
             assert {*re.findall(r"[\w-]+", nearest_kind(name, kind_names()))} & known == {one}
+
+
+@pytest.mark.parametrize(
+    ("command_name", "wish", "one", "most"),
+    [
+        ("list", "something that dwells", "stephenson-six-bar", 2),
+        ("list", "a wiper that sweeps 80 degrees", "boxed-wiper.toml", 1),
+        ("examples", "something that dwells", "geneva.toml", 20),
+        ("examples", "a cam with springs", "loaded-cam.toml", 8),
+    ],
+)
+def test_a_wish_finds_what_has_most_of_its_words(command, command_name, wish, one, most):
+    code, printed, _ = command(command_name, wish)
+    found = {line.split()[0] for line in printed.splitlines() if line.startswith("  ")}
+    assert code == 0 and one in found and len(found) <= most
+
+
+def test_the_pages_search_by_the_same_words():
+    script = (Path(gk.__file__).parent / "page/player/search.js").read_text("utf-8")
+    parts = r'Set\("(.*?)"\.split.*?ENDINGS = \[(.*?)\], STEM = (\d)'
+    fillers, endings, stem = re.search(parts, script, re.DOTALL).groups()
+    assert {*fillers.split()} == FILLERS and int(stem) == STEM
+    assert tuple(re.findall(r"\w+", endings)) == ENDINGS
 
 
 @pytest.mark.parametrize("words", [("new", "worm-gear"), ("list", "worm gear")])

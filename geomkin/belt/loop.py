@@ -265,9 +265,8 @@ class BeltLoop:
         if not found:
             least, most = (lengths.min(), lengths.max()) if len(lengths) else (np.nan, np.nan)
             limit, words = (least, "at least") if pitches < least else (most, "at most")
-            raise DesignError(
-                "pitches", f"found {pitches:g}", f"give {words} {limit:.6g}", "out-of-range", float(limit)
-            )
+            problem = f"found {pitches:g}"
+            raise DesignError("pitches", problem, f"give {words} {limit:.6g}", "out-of-range", float(limit))
         distance = min(found, key=lambda x: abs(x - self._distance))
         moved = replace(self.wheels[-1], centre=complex(self._centres[0] + self._line * distance))
         return replace(self, wheels=(*self.wheels[:-1], moved))

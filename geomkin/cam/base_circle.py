@@ -14,7 +14,7 @@ from ..core.records import record
 from ..plane.vec import Mask, Real
 from .cam import Cam, Direction, check_lifts, turning_sense
 from .followers.follower import AbstractFollower, Follower
-from .program.extrema import exceeds, largest, samples
+from .program.laws import exceeds, largest, samples
 from .program.program import FollowerMotion, Program
 from .undercut import Undercut, undercut
 
@@ -103,9 +103,8 @@ def least_base_circle(
     'pressure angle'
     """
     if not 0 < pressure_angle_deg <= 90:
-        raise DesignError(
-            "pressure_angle_deg", f"found {pressure_angle_deg}", "give more than 0 and at most 90 deg", "out-of-range"
-        )
+        problem = f"found {pressure_angle_deg}"
+        raise DesignError("pressure_angle_deg", problem, "give more than 0 and at most 90 deg", "out-of-range")
     if not 0 <= least_radius < np.inf:
         raise DesignError("least_radius", f"found {least_radius}", "give 0 mm or more", "out-of-range")
     check_lifts(follower, program)

@@ -9,9 +9,8 @@ from numpy.typing import ArrayLike
 
 from ..core.arguments import checked
 from ..core.errors import DesignError, shown
-from ..core.fields import FARTHEST, entry, quantity
+from ..core.fields import FARTHEST, entry, moving_picture, quantity
 from ..core.records import record
-from ..core.reprs import moving_picture
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Array, Complex, Pose, Real
 from .followers.follower import AbstractFollower, Contact, Follower
@@ -109,9 +108,8 @@ class Cam:
         """
         knife = self.follower.knife_edge
         if knife is None:
-            raise DesignError(
-                "follower", "a cam with a flat-faced follower has no pitch curve", "use the profile instead", "conflict"
-            )
+            problem = "a cam with a flat-faced follower has no pitch curve"
+            raise DesignError("follower", problem, "use the profile instead", "conflict")
         # The roller's centre is a knife edge on the prime circle.
         return Profile(knife, self.program, self.prime_radius, self.sense)
 

@@ -17,7 +17,7 @@ from ..model.table import Column, Table, finite, xy_columns
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Mask, Real, Whole, first_largest
 from .cam import Cam
-from .program.extrema import highest, largest, samples
+from .program.laws import highest, largest, samples
 from .undercut import Undercut, undercut
 
 # Samples in each smooth piece of the outline. Fewer may miss that a piece passes a direction three times.
@@ -170,9 +170,8 @@ def contact_travel(cam: Cam) -> tuple[float, float]:
     """
     travel = cam.follower.contact_travel(cam.program, cam.base_radius, cam.sense)
     if travel is None:
-        raise DesignError(
-            "follower", "found a roller, which has no face", "give a cam with a flat-faced follower", "wrong-type"
-        )
+        problem = "found a roller, which has no face"
+        raise DesignError("follower", problem, "give a cam with a flat-faced follower", "wrong-type")
     return travel
 
 

@@ -18,7 +18,7 @@ from ..model.material import Mass, Material, hertz_pressure
 from ..model.motor import MotorDuty
 from ..plane.vec import Real, cross
 from .cam import Cam
-from .program.extrema import largest
+from .program.laws import largest
 
 # N per kg mm/s2, N mm per kg mm2/s2, and W per N mm/s.
 MILLI = 1e-3

@@ -33,7 +33,7 @@ from ..plane.primitives import Arc, Circle, Polyline, Segment
 from ..plane.vec import Complex, box_of
 from .cam import Cam
 from .followers.follower import Bars, FollowerPlate
-from .program.extrema import largest, samples
+from .program.laws import largest, samples
 from .undercut import Undercut, undercut
 
 # Letters engraved at holes that belong together, by the key of their diameter in the stock; the cam's shaft is A.

@@ -15,7 +15,7 @@ from ..plane.curve import AbstractCurve
 from ..plane.joined import Path
 from ..plane.vec import Complex, Mask, Real, Whole, first_largest
 from .cam import Cam
-from .program.extrema import exceeds, highest_between, refine_peak, samples
+from .program.laws import exceeds, highest_between, refine_peak, samples
 from .untrimmed_outline import UntrimmedOutline, chord_crossings, refined_parameters, self_crossings
 
 # Chords along each backward stretch of the profile; the same density is used over four times its length to either side,

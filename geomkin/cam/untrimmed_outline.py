@@ -11,7 +11,7 @@ from ..plane.curve import AbstractCurve, SubCurve, just_before
 from ..plane.joined import Path
 from ..plane.vec import Complex, Mask, Pose, Real, Whole, cross
 from .cam import Cam
-from .program.extrema import samples
+from .program.laws import samples
 
 # Contacts on the two sides of a joint that differ by more than this share of the base radius are separate, and a piece
 # of the outline joins them. A smaller value turns rounding at a law's ends into pieces; a larger one leaves gaps, so

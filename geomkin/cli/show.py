@@ -68,7 +68,7 @@ def explain(words: tuple[str, ...]) -> None:
     """
     from ..core.errors import harmless, printable
     from ..model.explanations import CHECKS, REFUSALS, TERMS, explained
-    from ..recipe.messages import did_you_mean
+    from ..recipe.search import did_you_mean
 
     text = " ".join(words)
     # A term may have several words; otherwise each word is an id.
@@ -89,7 +89,7 @@ def import_command(file: Path) -> None:
     FILE is JSON of pylinkage, a text file with a link that PMKS+ shares, or a .linkage2 file. What is not understood is
     refused by name.
     """
-    from ..foreign.reading import imported
+    from ..foreign.programs import imported
 
     with ended_if_refused(file):
         click.echo(imported(file), nl=False)
@@ -98,20 +98,20 @@ def import_command(file: Path) -> None:
 @click.command("examples")
 @click.argument("words", nargs=-1, metavar="[WORD]...")
 def examples_command(words: tuple[str, ...]) -> None:
-    """List the recipes of the gallery that have each WORD in their text.
+    """List the recipes of the gallery that have each WORD in their text, or most of them.
 
-    A word may be a kind, a key such as `springs`, a motion such as `dwell`, or the name of a part.
+    A word may be a kind, a key such as `springs`, a motion such as `dwell`, or the name of a part; or they are a wish,
+    such as "something that dwells".
     """
     from ..core.errors import harmless, printable
     from ..recipe.kinds import gallery
+    from ..recipe.search import other_names, wished
 
     folder, recipes = gallery()
-    wanted = [word.casefold() for word in words]
-    found = {
-        file: about
-        for file, about in recipes.items()
-        if all(word in f"{file}\n{(folder / file).read_text('utf-8')}".casefold() for word in wanted)
+    texts = {
+        file: f"{file} {(folder / file).read_text('utf-8')} {other_names(kind)}" for file, (kind, _) in recipes.items()
     }
+    found = {file: recipes[file] for file in wished(" ".join(words), texts)}
     if not found:
         problem = f"no recipe of the gallery has {printable(' '.join(words))!r}"
         raise click.BadParameter(f"{problem}; `geomkin examples` lists all", param_hint="WORD")
@@ -126,16 +126,13 @@ def examples_command(words: tuple[str, ...]) -> None:
 def list_command(words: tuple[str, ...]) -> None:
     """List the kinds of mechanism.
 
-    With a WORD, only those with this word in their name or description, and the recipes of the gallery with it.
+    With a WORD, only those with this word in their name or description, and the recipes of the gallery with it; with
+    several, such as a wish, those with all or most of them.
     """
-    import re
-
     from ..core.errors import harmless, printable
     from ..recipe.kinds import all_kinds, gallery, recipe_class
-    from ..recipe.messages import nearest_kind
+    from ..recipe.search import nearest_kind, other_names, wished
 
-    # The words of `planetary-gear` are two.
-    wanted = re.findall(r"\w+", " ".join(words).casefold())
     groups: dict[str, list[tuple[str, str]]] = {}
     for kind, row in all_kinds().items():
         groups.setdefault(row.group, []).append((kind, recipe_class(kind).about()))
@@ -143,10 +140,11 @@ def list_command(words: tuple[str, ...]) -> None:
         folder, recipes = gallery()
         groups[f"gallery, in {folder}"] = [(name, f"{kind}: {about}") for name, (kind, about) in recipes.items()]
 
-    def has_words(line: tuple[str, str]) -> bool:
-        return all(word in " ".join(line).casefold() for word in wanted)
-
-    groups = {group: found for group, lines in groups.items() if (found := [*filter(has_words, lines)])}
+    texts = {name: f"{name} {about} {other_names(name)}" for lines in groups.values() for name, about in lines}
+    meant = {*wished(" ".join(words), texts)}
+    groups = {
+        group: found for group, lines in groups.items() if (found := [line for line in lines if line[0] in meant])
+    }
     if not groups:
         problem = f"no kind and no recipe of the gallery has {printable(' '.join(words))!r}"
         remedy = nearest_kind(" ".join(words), all_kinds())
@@ -175,14 +173,14 @@ def new(name: str, options: tuple[str, ...]) -> None:
     try:
         recipe = recipe_class(name)
     except KeyError:
-        from ..recipe.messages import nearest_kind
+        from ..recipe.search import nearest_kind
 
         folder, recipes = gallery()
         if f"{name}.toml" in recipes and not options:
             return _print_from_gallery(folder, name)
         kinds = kind_names()
-        remedy = f"{nearest_kind(name, kinds)}choose from {', '.join(kinds)}, or search with `geomkin list WORD`"
-        raise click.BadParameter(f"unknown kind {printable(name)!r}; {remedy}") from None
+        remedy = nearest_kind(name, kinds) or f"choose from {', '.join(kinds)}, or "
+        raise click.BadParameter(f"unknown kind {printable(name)!r}; {remedy}search with `geomkin list WORD`") from None
     from ..recipe.template import template
 
     with option_errors("--with"):

@@ -155,7 +155,7 @@ def new_kind(kind: str, out: Path) -> None:
     The package OUT/geomkin-KIND has a small mechanism that runs, to be changed into yours, a recipe of it and a test.
     """
     from ..core.errors import printable
-    from ..export.files import write_whole
+    from ..export.summary import write_whole
     from ..recipe.template import kind_package
 
     with option_errors("KIND"):
@@ -288,7 +288,7 @@ def chart_command(families: tuple[str, ...], quick: bool, out: Path) -> None:
     from importlib.util import find_spec
 
     from ..core.errors import GeomkinError, printable
-    from ..export.files import write_whole
+    from ..export.summary import write_whole
     from ..tradeoff.files import chart_files
     from ..tradeoff.measurement import MISSING, growing_chart, stability
 

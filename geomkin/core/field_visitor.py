@@ -251,6 +251,7 @@ def with_numbers(
     enter: Callable[[Any, str], Any] = lambda inner, key: None,
     table: type | None = None,
     path: str = "",
+    only: str = "",
 ) -> T:
     """A dataclass, or a table from which one is read, with other numbers.
 
@@ -265,14 +266,19 @@ def with_numbers(
         numbers are to be visited.
     table : type, optional
         The class that is read from a mapping.
+    path : str
+        The key of the dataclass itself.
+    only : str
+        The key of the only number that changes: what does not lead to it is not visited.
     """
-    changed: T = _Visit(change, enter).table(thing, table or type(thing), path)
+    changed: T = _Visit(change, enter, only).table(thing, table or type(thing), path)
     return changed
 
 
 class _Visit(NamedTuple):
     change: Callable[[Number], Any]
     enter: Callable[[Any, str], Any]
+    only: str = ""
 
     def table(self, thing: Any, table: type, path: str) -> Any:
         is_mapping = isinstance(thing, Mapping)
@@ -292,6 +298,8 @@ class _Visit(NamedTuple):
         self, value: Any, shape: TypeShape, key: str, declared: DeclaredField, units: tuple[str, ...], field: str = ""
     ) -> Any:
         """A value with other numbers. field: key of the row that holds it; by default its own."""
+        if self.only and not f"{self.only}.".startswith((f"{key}.", f"{key}[")):
+            return value
         # A field may be a sign, 1 or -1, or the position of a joint.
         is_sign = isinstance(value, int) and value in shape.choices
         units = units or (("mm",) if complex in shape.options and not is_sign else ())
@@ -371,7 +379,7 @@ def with_number(thing: T, key: str, value: float) -> T:
     DesignError
         If the dataclass refuses the value.
     """
-    return with_numbers(thing, lambda number: value if number.key == key else number.value)
+    return with_numbers(thing, lambda number: value if number.key == key else number.value, only=key)
 
 
 def key_parts(key: str) -> list[str | int]:

@@ -9,8 +9,7 @@ import sys
 from collections.abc import Callable
 from typing import Any, TypeVar, dataclass_transform, overload
 
-from .fields import allowed, check_sizes, entry, quantity
-from .reprs import one_line
+from .fields import allowed, check_sizes, entry, one_line, quantity
 
 T = TypeVar("T")
 

@@ -9,7 +9,7 @@ from ..core.errors import DesignError
 from ..core.fields import quantity, rounded_down
 from ..core.records import record
 from ..core.units import UNITS, Units, mm
-from ..export.lettering import HEIGHTS, MARGIN, strokes_of
+from ..export.text import HEIGHTS, MARGIN, strokes_of
 from ..model.material import Material
 from ..model.part import Part
 from ..model.scene import Plot, Scene, SceneBody, SceneMark

@@ -15,13 +15,13 @@ from ..core.units import mm
 from ..model.part import Part
 from ..plane import measure as measure
 from ..plane import region as region
-from ..plane.arcs import to_arcs
+from ..plane.approximation import to_arcs
 from ..plane.curve import AbstractCurve, extent
 from ..plane.flatten import flatten
-from ..plane.parallel import parallel
 from ..plane.primitives import Circle, Polyline
+from ..plane.region import parallel
 from ..plane.vec import Complex, box_of, rounded
-from .lettering import lettered
+from .text import lettered
 
 # Finest tolerance as a share of the part's size: a finer one is below the precision of the numbers in meshes
 # and takes minutes.
@@ -239,11 +239,8 @@ def _check_holes(part: Part, outline: Loop, holes: list[Loop], tolerance: float)
     meeting = region.overlapping([hole.points for hole in holes])[:, 1]
     outside = int(np.argmin(inside)) if not inside.all() else len(holes)
     if outside < len(holes) and outside <= meeting.min(initial=outside):
-        raise DesignError(
-            part.name,
-            f"hole {outside + 1} meets the outline, or comes nearer than the tolerance of {mm(tolerance):g}",
-            "make the hole smaller or the part larger",
-        )
+        problem = f"hole {outside + 1} meets the outline, or comes nearer than the tolerance of {mm(tolerance):g}"
+        raise DesignError(part.name, problem, "make the hole smaller or the part larger")
     if len(meeting):
         raise DesignError(part.name, "two holes meet", "move them apart or make them smaller")
 
@@ -252,26 +249,17 @@ def check_scale(part: Part, tolerance: float, share: float = 1.0) -> None:
     """DesignError for a part too small or too large for files, or if `share` of the tolerance is too fine for it."""
     size = extent(part.outline)
     if not 10 * tolerance < size < WIDEST:
-        raise DesignError(
-            part.name,
-            f"it is about {mm(size):.3g} across",
-            f"make parts between {mm(10 * tolerance):g} (ten times the tolerance) and {mm(WIDEST):g}",
-            "out-of-range",
-        )
+        remedy = f"make parts between {mm(10 * tolerance):g} (ten times the tolerance) and {mm(WIDEST):g}"
+        raise DesignError(part.name, f"it is about {mm(size):.3g} across", remedy, "out-of-range")
     far = abs(complex(part.outline.point(np.asarray(part.outline.breaks[0]))))
     if far > WIDEST:
         # Farther from the origin, numbers have too few digits for the corners of the part.
-        raise DesignError(
-            part.name, f"it lies about {mm(far):.3g} from the origin", f"stay within {mm(WIDEST):g}", "out-of-range"
-        )
+        problem = f"it lies about {mm(far):.3g} from the origin"
+        raise DesignError(part.name, problem, f"stay within {mm(WIDEST):g}", "out-of-range")
     if tolerance * share < FINEST * size:
-        raise DesignError(
-            "tolerance",
-            f"found {mm(tolerance):g} for the {part.name}, which is about {mm(size):.3g} across",
-            f"give at least {mm(FINEST * size / share):up2}",
-            "out-of-range",
-            rounded_up(FINEST * size / share, 2),
-        )
+        problem = f"found {mm(tolerance):g} for the {part.name}, which is about {mm(size):.3g} across"
+        remedy = f"give at least {mm(FINEST * size / share):up2}"
+        raise DesignError("tolerance", problem, remedy, "out-of-range", rounded_up(FINEST * size / share, 2))
 
 
 def _marks(part: Part, tolerance: float) -> tuple[Loop, ...]:
@@ -283,11 +271,8 @@ def _marks(part: Part, tolerance: float) -> tuple[Loop, ...]:
         # An open mark is closed by running back along itself, since a chord would change the distance.
         line = mark.points if mark.shape.closed else np.append(mark.points, mark.points[-2::-1])
         if region.gap(outline, line) == 0 or not is_inside(outline, line[0]):
-            raise DesignError(
-                part.name,
-                f"mark {k + 1} crosses the outline",
-                "move the mark inwards, make it smaller or the part larger",
-            )
+            problem = f"mark {k + 1} crosses the outline"
+            raise DesignError(part.name, problem, "move the mark inwards, make it smaller or the part larger")
     return tuple(marks)
 
 
@@ -316,16 +301,11 @@ def _loop(curve: AbstractCurve, layer: str, grow: float, tolerance: float, arcs:
     if isinstance(curve, Circle):
         radius = curve.radius + grow
         if radius <= 0:
-            raise DesignError(
-                "kerf", f"found {mm(-2 * grow):g}, wider than a hole of the {name}", "give a smaller kerf"
-            )
+            problem = f"found {mm(-2 * grow):g}, wider than a hole of the {name}"
+            raise DesignError("kerf", problem, "give a smaller kerf")
         if round(radius, digits) <= 0:
-            raise DesignError(
-                name,
-                f"a hole {mm(2 * radius):.3g} wide is smaller than the resolution of files",
-                "make it larger",
-                "out-of-range",
-            )
+            problem = f"a hole {mm(2 * radius):.3g} wide is smaller than the resolution of files"
+            raise DesignError(name, problem, "make it larger", "out-of-range")
         circle = Circle(rounded(curve.centre, digits).item(), rounded(radius, digits).item())
         return Loop(circle, _rounded_loop(flatten(circle, tolerance), digits), layer)
     sense = float(np.sign(measure.signed_area(curve, 1e-3)))
@@ -369,11 +349,8 @@ def _grown(points: Complex, grow: float, tolerance: float, name: str) -> Complex
     changed = abs(sum(polygon_area(r[0]) for r in restored) - polygon_area(points))
     # The unavoidable rounding of sharp inner corners is far smaller than this.
     if not whole or changed > 8 * tolerance * np.abs(np.diff(points)).sum():
-        raise DesignError(
-            "kerf",
-            f"found {mm(2 * abs(grow)):g}, wider than a gap or a neck of the {name}",
-            "give a smaller kerf or a larger part",
-        )
+        problem = f"found {mm(2 * abs(grow)):g}, wider than a gap or a neck of the {name}"
+        raise DesignError("kerf", problem, "give a smaller kerf or a larger part")
     return regions[0][0]
 
 

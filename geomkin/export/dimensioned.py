@@ -32,8 +32,7 @@ from .dimensions import (
     length_text,
     scaled,
 )
-from .drawing_data import gear_data, hole_size, profile_table
-from .drawing_views import base_circle, draw_table, point_table, section_view
+from .drawing_views import base_circle, draw_table, gear_data, hole_size, point_table, profile_table, section_view
 from .job import Job
 from .text import Text, width_of
 

@@ -53,11 +53,7 @@ def _in(home: str) -> Callable[[Job], Any]:
 
 
 def _one_file(
-    needs: Literal["parts", "table", "scene"],
-    home: str,
-    tail: str,
-    packages: tuple[str, ...] = (),
-    opt_in: bool = True,
+    needs: Literal["parts", "table", "scene"], home: str, tail: str, packages: tuple[str, ...] = (), opt_in: bool = True
 ) -> Writer:
     """A format of a single file, named after the recipe, whose content the function `home` returns."""
     content = _in(home)

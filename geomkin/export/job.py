@@ -11,7 +11,7 @@ from ..core.errors import DesignError, shown
 from ..core.records import record
 from ..core.units import MM, LengthUnit, mm
 from ..model.check import Check, WorkedFormula
-from ..model.corner_relief import relieved
+from ..model.machinability import relieved
 from ..model.part import Bought, Part
 from ..model.scene import Scene
 from ..model.table import Table

@@ -296,12 +296,8 @@ def chamfered(cut: Cut, loops: list[Complex]) -> list[Complex]:
     """The loops of a section on the bed, material on their left: `foot` further in than those above the chamfer."""
     inner = region.offset(loops, -cut.foot, cut.tolerance)
     if len(inner) != 1 or len(inner[0]) != len(loops):
-        raise DesignError(
-            "printing.foot",
-            f"found {mm(cut.foot):g}, more than half of the thinnest wall of the {cut.part.name}",
-            "give a smaller one, or 0 for none",
-            "conflict",
-        )
+        problem = f"found {mm(cut.foot):g}, more than half of the thinnest wall of the {cut.part.name}"
+        raise DesignError("printing.foot", problem, "give a smaller one, or 0 for none", "conflict")
     return [_distinct(rounded(loop, cut.digits), cut.tolerance) for loop in inner[0]]
 
 

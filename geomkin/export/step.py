@@ -10,7 +10,7 @@ from ..core.errors import DesignError
 from ..core.records import record
 from ..core.version import __version__
 from ..model.part import Part, Twist
-from ..plane.spline_fit import SmoothPiece, smooth_pieces
+from ..plane.approximation import SmoothPiece, smooth_pieces
 from ..plane.vec import Complex, Real, rounded
 from .cut import Cut, decimals
 from .job import Job
@@ -94,12 +94,8 @@ def _walls(cut: Cut, tolerance: float) -> tuple[list[_Wall], Part, float]:
         for moves in [part.twist is not None and (k == 0) == (part.twist.moves == "outline")]
     ]
     if (count := sum(len(loop.pieces) for loop in loops)) > MOST_FACES:
-        raise DesignError(
-            "tolerance",
-            f"the {part.name} has {count:,} faces, and a STEP file at most {MOST_FACES:,}",
-            "omit step in files.write",
-            "too-much-work",
-        )
+        problem = f"the {part.name} has {count:,} faces, and a STEP file at most {MOST_FACES:,}"
+        raise DesignError("tolerance", problem, "omit step in files.write", "too-much-work")
     return loops, part, FINER * tolerance / 2
 
 

@@ -58,9 +58,8 @@ def frame_at(scene: Scene, at: float | None) -> int:
     """
     drive, assembled = np.asarray(scene.drive.values, dtype=float), np.flatnonzero(scene.assembled)
     if not len(assembled):
-        raise DesignError(
-            "assembly_at", "the mechanism cannot be assembled in any position", "change its sizes", "does-not-assemble"
-        )
+        problem = "the mechanism cannot be assembled in any position"
+        raise DesignError("assembly_at", problem, "change its sizes", "does-not-assemble")
     if at is None:
         at = drive[0] + (SHARE if scene.cyclic else HALF_WAY) * (drive[-1] - drive[0])
         return int(assembled[np.argmin(np.abs(drive[assembled] - at))])
@@ -69,17 +68,12 @@ def frame_at(scene: Scene, at: float | None) -> int:
     found = f"found {at:g} {scene.drive.unit}".rstrip()
     if abs(drive[nearest] - at) > step:
         low, high = float(drive.min()), float(drive.max())
-        raise DesignError(
-            "assembly_at", f"{found}, outside the range of the driver", f"give {low:g} to {high:g}", "out-of-range"
-        )
+        problem = f"{found}, outside the range of the driver"
+        raise DesignError("assembly_at", problem, f"give {low:g} to {high:g}", "out-of-range")
     if not scene.assembled[nearest]:
         best = drive[assembled[np.argmin(np.abs(drive[assembled] - at))]]
-        raise DesignError(
-            "assembly_at",
-            f"{found}, where the mechanism cannot be assembled",
-            f"give {best:g}, the nearest",
-            "does-not-assemble",
-        )
+        problem = f"{found}, where the mechanism cannot be assembled"
+        raise DesignError("assembly_at", problem, f"give {best:g}, the nearest", "does-not-assemble")
     return nearest
 
 

@@ -56,7 +56,8 @@ def svg(
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" {svg_size(sheet.width, sheet.height, unit)} '
         f'viewBox="0 0 {size[0]} {size[1]}" fill="none" stroke-width="{stroke}" style="background:#fff">',
-        f"<title>{escape(_without_control_characters(title))}</title>",
+        # XML forbids control characters.
+        f"<title>{escape(''.join(c if c.isprintable() else ' ' for c in title))}</title>",
         *([f"<desc>{escape(stamp)}</desc>"] if stamp else []),
     ]
     for number, placed in enumerate(sheet.placed, 1):
@@ -103,11 +104,6 @@ def _n(value: float, digits: int) -> str:
     text = f"{value:.{digits}f}"
     text = text.rstrip("0").rstrip(".") if "." in text else text
     return "0" if text == "-0" else text
-
-
-def _without_control_characters(text: str) -> str:
-    """Text without the control characters that XML forbids."""
-    return "".join(c if c.isprintable() else " " for c in text)
 
 
 # Decimals of mm on paper; a thousandth is invisible.

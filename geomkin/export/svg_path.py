@@ -8,7 +8,7 @@ from html import escape
 import numpy as np
 
 from ..core.errors import GeomkinError
-from ..plane.arcs import to_arcs
+from ..plane.approximation import to_arcs
 from ..plane.curve import AbstractCurve, extent
 from ..plane.flatten import flatten
 from ..plane.joined import Path

@@ -11,9 +11,8 @@ from math import inf, isnan
 import numpy as np
 
 from ..core.errors import harmless
-from ..model.in_unit import table_in
 from ..model.scene import Hodograph, Limit, Plot
-from ..model.table import Column, Table
+from ..model.table import Column, Table, table_in
 from ..plane.vec import Real
 from .job import Job
 from .still import kept_frames, palette
@@ -158,12 +157,7 @@ def _file(
 ) -> bytes:
     """The SVG file of a plot: title, axes that end at a height, curves, and a legend of so many names."""
     height, colours = below + BELOW + ROW * (names + 1) // 2, palette()
-    body = [
-        f'<text x="{LEFT}" y="20" font-size="14" font-weight="bold">{text(title)}</text>',
-        *axes,
-        *curves,
-        *legend,
-    ]
+    body = [f'<text x="{LEFT}" y="20" font-size="14" font-weight="bold">{text(title)}</text>', *axes, *curves, *legend]
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}mm" height="{WIDTH * height / WIDE:g}mm" '
         f'viewBox="0 0 {WIDE} {height:g}" style="background:#fff" font-family="DejaVu Sans, Verdana, sans-serif" '

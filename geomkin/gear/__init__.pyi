@@ -1,4 +1,8 @@
 # The public names of this package. Each is imported when it is first used.
+from .checks import RackLoads as RackLoads
+from .checks import RackStrength as RackStrength
+from .checks import TrainLoads as TrainLoads
+from .checks import TrainStrength as TrainStrength
 from .checks import conjugate_checks as conjugate_checks
 from .checks import gear_checks as gear_checks
 from .checks import mesh_checks as mesh_checks
@@ -18,10 +22,11 @@ from .conjugate.shaping_gears import StraightSidedGear as StraightSidedGear
 from .contract import AbstractGear as AbstractGear
 from .contract import AbstractInvoluteGear as AbstractInvoluteGear
 from .contract import AbstractShaper as AbstractShaper
+from .contract import Helix as Helix
 from .cutters import RackCutter as RackCutter
 from .cutters import balanced_shifts as balanced_shifts
 from .cutters import undercut_free_shift as undercut_free_shift
-from .helix import Helix as Helix
+from .interference import PinionCutter as PinionCutter
 from .kinds.conjugate_gears import LanternGearsRecipe as LanternGearsRecipe
 from .kinds.conjugate_gears import ParametricToothGearsRecipe as ParametricToothGearsRecipe
 from .kinds.conjugate_gears import PointToothGearsRecipe as PointToothGearsRecipe
@@ -32,18 +37,14 @@ from .kinds.gear_pairs import RackAndPinionRecipe as RackAndPinionRecipe
 from .kinds.gear_trains import GearTrainRecipe as GearTrainRecipe
 from .kinds.gear_trains import TrainSpecification as TrainSpecification
 from .kinds.gear_trains import train_scene as train_scene
-from .kinds.planetary import PlanetaryRecipe as PlanetaryRecipe
-from .kinds.single_gears import RingGearRecipe as RingGearRecipe
-from .kinds.single_gears import SpurGearRecipe as SpurGearRecipe
+from .kinds.gears import PlanetaryRecipe as PlanetaryRecipe
+from .kinds.gears import RingGearRecipe as RingGearRecipe
+from .kinds.gears import SpurGearRecipe as SpurGearRecipe
 from .measures import chord as chord
 from .measures import contact_table as contact_table
 from .measures import over_pins as over_pins
 from .measures import span as span
 from .measures import tooth_table as tooth_table
-from .output_loads import RackLoads as RackLoads
-from .output_loads import RackStrength as RackStrength
-from .output_loads import TrainLoads as TrainLoads
-from .output_loads import TrainStrength as TrainStrength
 from .pair import InternalGearPair as InternalGearPair
 from .parts import GearStock as GearStock
 from .parts import LanternStock as LanternStock
@@ -63,7 +64,6 @@ from .parts_train import TrainStocks as TrainStocks
 from .parts_train import arbor_check as arbor_check
 from .parts_train import train_assembly as train_assembly
 from .parts_train import train_parts as train_parts
-from .pinion_cutter import PinionCutter as PinionCutter
 from .planetary import PlanetarySet as PlanetarySet
 from .rack import GearRack as GearRack
 from .rack import RackPair as RackPair

@@ -126,9 +126,8 @@ def span(gear: AbstractInvoluteGear, teeth: int | None = None) -> SpanMeasure:
         teeth = min(fitting, key=lambda k: abs(length(k) - start - end))
     if teeth not in fitting:
         nearest = min(fitting, key=lambda k: abs(k - teeth))
-        raise DesignError(
-            "teeth", f"found {teeth}, for which the jaws miss the involute", f"give {nearest}", "out-of-range"
-        )
+        problem = f"found {teeth}, for which the jaws miss the involute"
+        raise DesignError("teeth", problem, f"give {nearest}", "out-of-range")
     return SpanMeasure(teeth, length(teeth), float(np.hypot(gear.base_radius, length(teeth) / 2)))
 
 
@@ -250,9 +249,8 @@ def chord(gear: AbstractInvoluteGear, radius: float | None = None) -> ChordMeasu
 
 def _refuse_ring(gear: AbstractInvoluteGear) -> None:
     if gear.is_ring:
-        raise DesignError(
-            "gear", "found a ring, whose teeth cannot be measured with jaws", "measure between pins", "wrong-type"
-        )
+        problem = "found a ring, whose teeth cannot be measured with jaws"
+        raise DesignError("gear", problem, "measure between pins", "wrong-type")
 
 
 @checked

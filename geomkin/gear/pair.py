@@ -10,9 +10,8 @@ import numpy as np
 
 from ..core.arguments import FloatOrNan, checked
 from ..core.errors import DesignError
-from ..core.fields import entry, last_fit, quantity, rounded_up
+from ..core.fields import entry, last_fit, moving_picture, quantity, rounded_up
 from ..core.records import record
-from ..core.reprs import moving_picture
 from ..core.units import bare_mm, mm
 from ..plane.roulettes import inverse_involute, involute_function
 from ..plane.vec import Pose, Real

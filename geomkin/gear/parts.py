@@ -31,14 +31,12 @@ from ..making.bores import (
     shaft,
 )
 from ..making.materials import MaterialKey, material_entry
-from ..model.limits import Fit, HoleTolerance
-from ..model.part import HoleFit, Part, Twist
+from ..model.part import Fit, HoleFit, HoleTolerance, Part, Twist
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle, Polyline, rounded_hull
 from .conjugate.conjugate import Conjugate
 from .conjugate.shaping_gears import LanternPinion
-from .contract import AbstractGear
-from .helix import Helix
+from .contract import AbstractGear, Helix
 
 
 @record(checked=True)

@@ -32,7 +32,7 @@ from ..model.part import Part
 from ..plane.curve import AbstractCurve
 from ..plane.primitives import Circle, rounded_hull
 from ..plane.vec import spaced_directions
-from .helix import Helix
+from .contract import Helix
 from .parts import AbstractMated, GearStock, RingStock
 from .planetary import Member, PlanetarySet
 from .rack import RackPair
@@ -141,9 +141,8 @@ def rack_base(
     left, right = (end - side * bar.solid_rim / 2 for side, end in zip((-1, 1), bar.ends))
     if right - left < LEAST_PIN_DISTANCE * bar.solid_rim:
         least = int(np.ceil((LEAST_PIN_DISTANCE + 1) * bar.solid_rim / bar.pitch))
-        raise DesignError(
-            "rack.teeth", f"found {bar.teeth}, too few for two guide pins", f"give at least {least}, or omit base"
-        )
+        problem = f"found {bar.teeth}, too few for two guide pins"
+        raise DesignError("rack.teeth", problem, f"give at least {least}, or omit base")
     pins = [
         bore(stock.guide_pin, stock.clearance, bar.solid_rim, "base.guide_pin", x + middle)[0] for x in (left, right)
     ]

@@ -12,9 +12,8 @@ import numpy as np
 
 from ..core.arguments import NUMBER, FloatOrNan, checked, refused
 from ..core.errors import DesignError
-from ..core.fields import entry, last_fit, quantity
+from ..core.fields import entry, last_fit, moving_picture, quantity
 from ..core.records import record
-from ..core.reprs import moving_picture
 from ..core.units import mm
 from ..plane.vec import Pose, Real
 from .cutters import HelixAngle

@@ -6,9 +6,8 @@ import numpy as np
 
 from ..core.arguments import FloatOrNan, checked
 from ..core.errors import DesignError
-from ..core.fields import entry, inside, quantity, rounded_down, rounded_up
+from ..core.fields import entry, inside, moving_picture, quantity, rounded_down, rounded_up
 from ..core.records import record
-from ..core.reprs import moving_picture
 from ..core.units import bare_mm, mm
 from ..plane.primitives import Polyline
 from ..plane.vec import Pose, Real
@@ -84,9 +83,8 @@ class GearRack(AbstractGear):
         if self._tip < 0:
             most = self.tooth_thickness_allowance + 2 * self.module * self._tip
             if most <= 0:
-                raise DesignError(
-                    "rack.addendum", "the flanks meet below the tips", "give a rack with a smaller addendum"
-                )
+                problem = "the flanks meet below the tips"
+                raise DesignError("rack.addendum", problem, "give a rack with a smaller addendum")
             problem = f"found {mm(self.tooth_thickness_allowance):g}, for which the teeth are pointed"
             remedy = f"give at most {bare_mm(float(inside(most, 1, 6))):down6}"
             raise DesignError("tooth_thickness_allowance", problem, remedy, value=inside(most, 1, 6))

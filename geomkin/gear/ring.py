@@ -19,8 +19,7 @@ from ..plane.roulettes import Involute, Traced, involute_function, roll_at
 from ..plane.vec import Complex, Pose, Real
 from .contract import AbstractInvoluteGear, AbstractTooth, check_shortening
 from .cutters import Settled, diametral_pitch, module, settle_module, thickness_allowance
-from .interference import InternalMesh
-from .pinion_cutter import CutterInRing, PinionCutter
+from .interference import CutterInRing, InternalMesh, PinionCutter
 from .spur import envelope_end, toothed, with_land
 
 
@@ -314,9 +313,8 @@ class RingGear(AbstractInvoluteGear):
         settle_module(self)
         tooth, z, z0 = self.tooth, self.teeth, self.cutter.teeth
         if z <= z0:
-            raise DesignError(
-                "teeth", f"found {z}, but the cutter has {z0}", f"give at least {z0 + 1}, or a smaller cutter"
-            )
+            problem = f"found {z}, but the cutter has {z0}"
+            raise DesignError("teeth", problem, f"give at least {z0 + 1}, or a smaller cutter")
         if tooth.feed.working_involute < 0:
             problem = f"found {self.profile_shift:g}, for which the cutter does not fit between the teeth"
             raise DesignError("profile_shift", problem, f"give {self._shift_remedy(tooth.feed.least_shift)}")

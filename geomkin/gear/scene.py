@@ -105,7 +105,7 @@ def _alike(part: Part, teeth: int) -> bool:
     """Whether the openings of a wheel coincide after each pitch."""
     if not part.holes:
         return True
-    middles = np.array([_middle(hole.point(_places(hole.breaks))) for hole in part.holes])
+    middles = np.array([hole.point(_places(hole.breaks)).mean() for hole in part.holes])
     turned = middles * np.exp(2j * np.pi / teeth)
     split_motor_parts = np.abs(turned[:, None] - middles).min(axis=1)
     size = np.abs(part.outline.point(part.outline.breaks)).max()
@@ -114,10 +114,6 @@ def _alike(part: Part, teeth: int) -> bool:
 
 def _places(breaks: Real) -> Real:
     return np.linspace(breaks[:-1], breaks[1:], 5)[:-1].ravel()
-
-
-def _middle(points: Complex) -> complex:
-    return complex(points.mean())
 
 
 @checked

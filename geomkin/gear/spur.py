@@ -237,9 +237,6 @@ class Tooth(AbstractTooth):
             across = -distance * np.sin(offset)
             return along, across, along**2 + (2 * base + across) * across
 
-        def outside_base(offset: float) -> float:
-            return coordinates(offset)[2]
-
         def inside_tooth(offset: float) -> float:
             along, across, square = coordinates(offset)
             cosines = np.cos(end_angle + offset) * np.cos(end_angle)
@@ -247,7 +244,7 @@ class Tooth(AbstractTooth):
             roll = np.sqrt(max(square, 0.0)) / base
             return float(np.arctan2(along, base + across) + rolled - far) - involute_function(roll)
 
-        foot = _root(outside_base, -end_angle, 0.0)
+        foot = _root(lambda offset: coordinates(offset)[2], -end_angle, 0.0)
         if inside_tooth(foot) <= 0:
             return end_angle, 0.0  # at the limit of undercut the two meet at the cusp
         offset = _root(inside_tooth, foot, 0.0)

@@ -132,9 +132,8 @@ def root_section(gear: AbstractInvoluteGear) -> RootSection:
     side = cross(tangent, root.velocity(edges))
     crossings = np.flatnonzero(side[:-1] * side[1:] <= 0)
     if not len(crossings):
-        raise DesignError(
-            "gear", "its roots have no tangent at 30 deg to the tooth", "give a smaller pressure angle", "out-of-range"
-        )
+        problem = "its roots have no tangent at 30 deg to the tooth"
+        raise DesignError("gear", problem, "give a smaller pressure angle", "out-of-range")
 
     def crossing(k: int) -> float:
         return last_fit(lambda t: bool(cross(tangent, root.velocity(t)) * side[k] > 0), edges[k], edges[k + 1])

@@ -14,9 +14,17 @@ from numpy.typing import NDArray
 
 from ..core.arguments import ArgumentType, FloatOrNan, PositiveFloat, between, checked, whole_between
 from ..core.errors import DesignError
-from ..core.fields import EXACT_DIGITS, as_fraction, entry, quantity, rounded_up, significant_digits, to_digits
+from ..core.fields import (
+    EXACT_DIGITS,
+    as_fraction,
+    entry,
+    moving_picture,
+    quantity,
+    rounded_up,
+    significant_digits,
+    to_digits,
+)
 from ..core.records import record
-from ..core.reprs import moving_picture
 from ..core.units import mm
 from ..model.table import Column, Table
 from ..plane.vec import Complex, Pose, Real

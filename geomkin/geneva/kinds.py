@@ -16,10 +16,10 @@ from ..core.units import UNITS, mm
 from ..making.assembly import BaseStock
 from ..making.motors import mounted_motor_checks
 from ..model.check import Check, WorkedFormula, WorkedFormulas
+from ..model.machinability import OF_KERF
 from ..model.motor import RotatingBody
 from ..model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark, circle_handle, dimension, point_handle
 from ..model.table import Column, Table
-from ..model.thin_features import OF_KERF
 from ..plane.primitives import Circle
 from ..plane.vec import Real
 from ..recipe.aspect import AbstractAspect

@@ -278,11 +278,7 @@ class GenevaWheel:
         corner, lock = (self._mouth + half) * side, self.rim * np.exp(-1j * edge)
         tip = -edge - float(np.angle(corner))
         seen = lock - self.distance
-        lower = [
-            Arc(floor * side, end * side, -quarter),
-            Segment((floor + half) * side, corner),
-            Arc(0j, corner, tip),
-        ]
+        lower = [Arc(floor * side, end * side, -quarter), Segment((floor + half) * side, corner), Arc(0j, corner, tip)]
         upper = [
             Arc(0j, complex(lock.conjugate()), tip),
             Segment(complex(corner.conjugate()), complex(((floor + half) * side).conjugate())),

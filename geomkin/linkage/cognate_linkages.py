@@ -201,12 +201,8 @@ def _roberts_points(four_bar: FourBar, start: float, branch: Branch) -> dict[str
     w = _ratio(four_bar)
     motion = move(replace(four_bar, origin=0j, ground_angle_deg=0.0), [start], branch)
     if not motion.assembled[0]:
-        raise DesignError(
-            "start",
-            f"found {start:g} rad, where the linkage is open",
-            "give a drive that it reaches",
-            "does-not-assemble",
-        )
+        problem = f"found {start:g} rad, where the linkage is open"
+        raise DesignError("start", problem, "give a drive that it reaches", "does-not-assemble")
     e1, e3, e4 = (complex(motion.bodies[link].direction[0]) for link in ("crank", "coupler", "rocker"))
     point = {
         "crank_pivot": 0j,

@@ -15,12 +15,12 @@ from ..core.records import record
 from ..core.units import mm
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Complex, Real, Whole, cross, unit
-from .body_motion import PointMotion
 from .drive_limits import driver_limits
 from .linkage import AbstractLinkage, OneLinkage
 from .motion import Motion
 from .moving import move
 from .solve.branch import Branch, as_branch_spec
+from .solve.solution import PointMotion
 
 # Share of the tolerance that chords must keep. Their distance is sampled at three points, which may miss 3 % of it.
 AIM = 0.95
@@ -266,19 +266,11 @@ def dashes(
     if not 0 < tolerance < np.inf:
         raise DesignError("tolerance", f"found {tolerance}", "give a distance above 0, in mm", "out-of-range")
     if steps.ndim != 1 or len(steps) < 2 or not np.all(np.diff(steps) > 0):
-        raise DesignError(
-            "drive",
-            "the values do not rise",
-            "give the limits of the steps in rising order, at least two",
-            "out-of-range",
-        )
+        remedy = "give the limits of the steps in rising order, at least two"
+        raise DesignError("drive", "the values do not rise", remedy, "out-of-range")
     if local.ndim != 1 or not local.size or not np.isfinite(local).all():
-        raise DesignError(
-            "points",
-            "found something other than a 1-D array of finite points",
-            "give finite points; ravel a grid",
-            "wrong-type",
-        )
+        problem = "found something other than a 1-D array of finite points"
+        raise DesignError("points", problem, "give finite points; ravel a grid", "wrong-type")
     if as_branch_spec(branch).follow:
         raise DesignError("branch", f"found {shown(branch)}", "give +1, -1 or a table of signs by joint", "wrong-type")
     _check_body(linkage.linkage.bodies, body)
@@ -319,12 +311,8 @@ def _drawn(
         motion = move(linkage, nodes.ravel(), branch)
         if not motion.assembled.all():
             opened = nodes.ravel()[~motion.assembled][0]
-            raise DesignError(
-                "drive",
-                f"the linkage opens at {opened:.6g} for a moment",
-                "give steps that end there",
-                "does-not-assemble",
-            )
+            problem = f"the linkage opens at {opened:.6g} for a moment"
+            raise DesignError("drive", problem, "give steps that end there", "does-not-assemble")
         path = coupler_curves(motion, local, body).reshape(len(local), *nodes.shape)
         distance = _distance(path)
         near, worst = distance <= AIM * tolerance, float(distance.max(initial=0.0))
@@ -333,13 +321,9 @@ def _drawn(
         waiting = waiting[~near.all(axis=0)]
         if not waiting.size:
             return [[runs[dash] for dash in sorted(runs)] for runs in finished]
-    raise DesignError(
-        "tolerance",
-        f"found {mm(tolerance):g}, finer than {chords} chords for each of {len(local) * len(limits)} dashes",
-        f"give at least {mm(worst / AIM):up4}, or fewer points or dashes",
-        "too-much-work",
-        rounded_up(worst / AIM, 4),
-    )
+    problem = f"found {mm(tolerance):g}, finer than {chords} chords for each of {len(local) * len(limits)} dashes"
+    remedy = f"give at least {mm(worst / AIM):up4}, or fewer points or dashes"
+    raise DesignError("tolerance", problem, remedy, "too-much-work", rounded_up(worst / AIM, 4))
 
 
 def _levels(dashes: int) -> int:

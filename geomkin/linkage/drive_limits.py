@@ -13,8 +13,7 @@ from ..plane.vec import Mask, Real, dot, first_largest
 from .linkage import OneLinkage
 from .motion import Motion, is_translating
 from .moving import move, placements_for
-from .solve.branch import Branch, as_branch_spec
-from .solve.drive_range import DriveRange
+from .solve.branch import Branch, DriveRange, as_branch_spec
 from .solve.dyads import Dyad
 from .solve.input_dyads import InputDyad
 from .solve.loops import Loops
@@ -290,12 +289,8 @@ def _whole(linkage: OneLinkage, branch: Branch) -> tuple[float, float] | None:
     spec, placements = as_branch_spec(branch), placements_for(general, branch)
     if spec.follow or spec.branch_points or any(isinstance(placement, Loops) for placement in placements):
         cause = "such a branch" if spec.follow or spec.branch_points else "the estimate"
-        raise DesignError(
-            "span",
-            f"a slide drives, and {cause} needs a first position",
-            "give a span that starts there",
-            "missing-key",
-        )
+        problem = f"a slide drives, and {cause} needs a first position"
+        raise DesignError("span", problem, "give a span that starts there", "missing-key")
     extent = extent_of(general)
     outwards = np.geomspace(extent, FARTHEST * extent, LOOKS // 2)
     looks = np.concatenate([-outwards[:0:-1], np.linspace(-extent, extent, LOOKS + 1), outwards[1:]])
@@ -305,12 +300,8 @@ def _whole(linkage: OneLinkage, branch: Branch) -> tuple[float, float] | None:
 
     ends = looks[[0, -1]]
     if closed(ends).any():
-        raise DesignError(
-            "span",
-            "the linkage closes at unlimited displacements",
-            f"give a span, such as {(-extent, extent)}",
-            "missing-key",
-        )
+        problem = "the linkage closes at unlimited displacements"
+        raise DesignError("span", problem, f"give a span, such as {(-extent, extent)}", "missing-key")
     drive_range = with_branches(general, placements, looks, (), spec)
     looks = np.concatenate(
         [looks, _exact(placements, (float(ends[0]), float(ends[1]))), _nearest_to_closing(drive_range, looks)]

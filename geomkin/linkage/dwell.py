@@ -85,12 +85,8 @@ def longest_dwell(motion: Motion, output: str, band: PositiveFloat) -> OutputDwe
     t, y = _between(drive, value, slope)
     start, end = _longest(t, y, float(band))
     if start == end:
-        raise DesignError(
-            "motion",
-            "found no two neighbouring frames that are reached",
-            "give drives that it reaches",
-            "does-not-assemble",
-        )
+        problem = "found no two neighbouring frames that are reached"
+        raise DesignError("motion", problem, "give drives that it reaches", "does-not-assemble")
     # Extended to the points at which it leaves the band, at the end and then at the start.
     t_end, y_end = _leaves_band_at(t, y, end, end + 1, y[start : end + 1], float(band))
     t_start, y_start = _leaves_band_at(t, y, start, start - 1, np.append(y[start : end + 1], y_end), float(band))

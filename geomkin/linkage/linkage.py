@@ -12,17 +12,14 @@ import numpy as np
 
 from ..core.arguments import LARGEST, PLAIN, ArgumentType, is_place
 from ..core.errors import DesignError, ProblemId, shown
-from ..core.fields import ComplexOrArray, ComplexPoint, KindTable, entry
+from ..core.fields import LONGEST, ComplexOrArray, ComplexPoint, KindTable, entry, moving_picture, one_line
 from ..core.names import check_names
 from ..core.records import record
-from ..core.reprs import LONGEST, moving_picture, one_line
 from ..core.units import mm
 from ..plane.vec import Array, Real, direction_deg
 from .joints.gear_mesh import GearMesh
-from .joints.joint import AbstractJoint
-from .joints.pin import PinJoint
-from .joints.pin_in_slot import PinInSlot
-from .joints.slide import AbstractSlide, Slider
+from .joints.joint import AbstractJoint, PinJoint
+from .joints.slide import AbstractSlide, PinInSlot, Slider
 from .solve.placement import Placement
 
 # The structure of a linkage, equal for linkages that differ only in sizes: each body with its points; each slide with
@@ -342,11 +339,10 @@ def _check_driver(bodies: tuple[tuple[str, ...], ...], sliders: tuple[tuple[str,
         return
     name, (other,) = next(iter(sliding.items()))
     or_angle = f", or {other}, which turns as it does, for its angle" if other in pinned else ""
-    raise DesignError(
-        "driver",
-        f"{driver} slides on {other} and is not pinned to the {ground}, so its angle may be meant or its displacement",
-        f"give {name}, the slider, for its displacement{or_angle}",
+    problem = (
+        f"{driver} slides on {other} and is not pinned to the {ground}, so its angle may be meant or its displacement"
     )
+    raise DesignError("driver", problem, f"give {name}, the slider, for its displacement{or_angle}")
 
 
 # Further points of the bodies of a named linkage.

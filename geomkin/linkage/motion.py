@@ -10,16 +10,15 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError, shown
+from ..core.fields import clipped, moving_picture, short
 from ..core.records import record
-from ..core.reprs import clipped, moving_picture, short
 from ..model.table import Column, Table, finite, xy_columns
 from ..plane.vec import Array, Complex, Mask, Real, Whole, dot
-from .body_motion import Body, PointMotion, SlideMotion
 from .joints.slide import AbstractSlide
 from .linkage import AbstractLinkage, Linkage
 from .sensitivity import Sensitivities
-from .solve.solution import LinkageSolution
-from .timing import Timing
+from .solve.placement import Timing
+from .solve.solution import Body, LinkageSolution, PointMotion, SlideMotion
 
 # Threshold that separates rotation from rounding noise in a body that only translates (rotation x size / displacement).
 TRANSLATING = 1e-9
@@ -176,12 +175,8 @@ class Motion:
                 self._points[name] = PointMotion(self.bodies[body], points[name], name)
                 return self._points[name]
         named = dict.fromkeys(p for points in self.linkage.bodies.values() for p in points)
-        raise DesignError(
-            "name",
-            f"found {shown(name)}, which is not the name of a point",
-            f"give one of {', '.join(named)}",
-            "unknown-key",
-        )
+        problem = f"found {shown(name)}, which is not the name of a point"
+        raise DesignError("name", problem, f"give one of {', '.join(named)}", "unknown-key")
 
     def slide(self, name: str) -> SlideMotion:
         """Motion of a sliding joint.
@@ -204,12 +199,8 @@ class Motion:
             if slide.name == name:
                 return _slide(self, slide)
         sliders = ", ".join(slide.name for slide in self.linkage.slides)
-        raise DesignError(
-            "name",
-            f"found {shown(name)}, which is not the name of a slider",
-            f"give one of {sliders or 'none'}",
-            "unknown-key",
-        )
+        problem = f"found {shown(name)}, which is not the name of a slider"
+        raise DesignError("name", problem, f"give one of {sliders or 'none'}", "unknown-key")
 
     @checked
     def sensitivity(self, of: str, by: str) -> Array:

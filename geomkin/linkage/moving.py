@@ -33,10 +33,10 @@ from .solve.placement import (
     RevoluteInput,
     SlideAxis,
     StrokeInput,
+    Timing,
 )
 from .solve.program import run_of
 from .solve.solution import LinkageSolution
-from .timing import Timing
 
 # Consecutive arms, each with the body that it turns with.
 Arms = tuple[tuple[str, complex | Complex], ...]

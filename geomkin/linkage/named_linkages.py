@@ -1,4 +1,4 @@
-"""Linkages with a name: four-bar, slider-crank and its inversions, trammel, yoke, Oldham coupling, and shaper."""
+"""Linkages with a name: four-bar, slider-crank and its inversions, trammel, yoke, Oldham coupling."""
 
 from __future__ import annotations
 
@@ -68,8 +68,7 @@ class SliderCrank(AbstractLinkage):
         "height of the slide line above the crank pivot", "mm", default=0.0, at_least=-FARTHEST, at_most=FARTHEST
     )
     coupler_point: ComplexOrArray = entry(
-        "point traced by the connecting rod, from its crank pin, x towards the slider pin, [x, y] in mm",
-        default=0j,
+        "point traced by the connecting rod, from its crank pin, x towards the slider pin, [x, y] in mm", default=0j
     )
     driver: Literal["crank", "coupler", "slider"] = entry(
         "body that is driven: crank and coupler by their angle, the slider by its x", default="crank"
@@ -155,12 +154,9 @@ class InvertedSliderCrank(AbstractLinkage):
     )
     crank: FloatOrArray = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
     offset: FloatOrArray = quantity(
-        "distance of the slide line from the pin at which its body turns, to the left",
-        "mm",
-        default=0.0,
-        at_least=-FARTHEST,
-        at_most=FARTHEST,
-    )
+        "distance of the slide line from the pin at which its body turns, to the left", "mm", default=0.0,
+        at_least=-FARTHEST, at_most=FARTHEST,
+    )  # fmt: skip
     line: Literal["rocker", "coupler"] = entry("body that has the slide line", default="rocker")
     point: ComplexOrArray = entry(
         "point traced by the body with the slide line, from its pin, x along the line, [x, y] in mm",
@@ -177,13 +173,11 @@ class InvertedSliderCrank(AbstractLinkage):
     def __post_init__(self) -> None:
         farthest = self.ground + self.crank
         if np.ndim(farthest + self.offset) == 0 and np.abs(self.offset) >= farthest:
-            raise DesignError(
-                "offset",
-                f"found {mm(self.offset):g}, but the crank pin is at most {mm(farthest):down6} from the rocker pivot",
-                f"give less than {mm(float(farthest)):down}",
-                "does-not-assemble",
-                inside(float(farthest), 1),
+            problem = (
+                f"found {mm(self.offset):g}, but the crank pin is at most {mm(farthest):down6} from the rocker pivot"
             )
+            remedy = f"give less than {mm(float(farthest)):down}"
+            raise DesignError("offset", problem, remedy, "does-not-assemble", inside(float(farthest), 1))
 
     @cached_property
     @with_points
@@ -389,90 +383,6 @@ class OldhamCoupling(AbstractLinkage):
         )
 
 
-@record(checked=True)
-class Shaper(AbstractLinkage):
-    """Shaper (quick-return) mechanism: a crank pin in the slot of a lever, whose tip moves a ram by a connecting rod.
-
-    The crank turns about `origin`. The ram's line is perpendicular to the line from crank pivot to lever pivot, on the
-    other side of the crank. By default the lever's pivot is below the crank and the ram runs along x. The ram cuts
-    slowly and returns quickly. Joints for branches: `slide`, and `ram_pin`: +1 puts the ram on the +x side of the
-    lever's tip.
-
-    Parameters
-    ----------
-    ground : float
-        Distance from crank pivot to lever pivot, mm; above 0.
-    crank : float
-        Length of the crank, mm; above 0 and below `ground`.
-    lever : float
-        Distance from the lever's pivot to its tip, mm; above 0.
-    link : float
-        Connecting rod from the lever's tip to the ram, mm; above 0.
-    ram_height : float
-        Distance from the crank pivot to the ram's line, away from the lever pivot, mm; above 0.
-    origin : complex
-        Position of the crank's ground pivot, mm.
-    ground_angle_deg : float
-        Direction from the crank pivot to the lever pivot, deg, from -360 to 360.
-    points : dict of str to dict of str to complex
-        Further points of bodies by name, mm in the frame of the body.
-
-    Raises
-    ------
-    DesignError
-        If a size is out of range, or the crank is not shorter than the ground.
-
-    See Also
-    --------
-    InvertedSliderCrank, SliderCrank, move
-    """
-
-    ground: float = quantity("from crank pivot to lever pivot", "mm", above=0, at_most=FARTHEST, example=90)
-    crank: float = quantity("length of the crank", "mm", above=0, at_most=FARTHEST, example=30)
-    lever: float = quantity("from lever pivot to the lever's tip", "mm", above=0, at_most=FARTHEST, example=180)
-    link: float = quantity("connecting rod, from lever tip to ram", "mm", above=0, at_most=FARTHEST, example=60)
-    ram_height: float = quantity(
-        "from crank pivot to the ram's line, away from the lever pivot", "mm", above=0, at_most=FARTHEST, example=85
-    )
-    origin: ComplexPoint = entry("crank's ground pivot, [x, y] in mm", default=0j)
-    ground_angle_deg: float = quantity(
-        "direction from crank pivot to lever pivot", "deg", default=-90.0, at_least=-360, at_most=360
-    )
-    points: BodyPoints = points_entry()
-
-    def __post_init__(self) -> None:
-        if self.crank >= self.ground:
-            raise DesignError(
-                "crank",
-                f"found {mm(self.crank):g}, but the lever turns over unless the crank is shorter than the ground, "
-                f"{mm(self.ground):g}",
-                f"give less than {mm(self.ground):down}",
-                value=inside(self.ground, 1),
-            )
-
-    @cached_property
-    @with_points
-    def linkage(self) -> Linkage:
-        """The general linkage: the sliding joints are "slide" (crank pin on lever) and "ram_slide"."""
-        return Linkage(
-            bodies={
-                "ground": {"crank_pivot": 0j, "lever_pivot": self.ground + 0j},
-                "crank": {"crank_pivot": 0j, "crank_pin": self.crank + 0j},
-                "lever": {"lever_pivot": 0j, "lever_tip": self.lever + 0j},
-                "block": {"crank_pin": 0j},
-                "link": {"lever_tip": 0j, "ram_pin": self.link + 0j},
-                "ram": {"ram_pin": 0j},
-            },
-            driver="crank",
-            sliders=(
-                Slider("slide", "block", "lever"),
-                Slider("ram_slide", "ram", "ground", through=-self.ram_height + 0j, direction_deg=90.0),
-            ),
-            origin=self.origin,
-            ground_angle_deg=self.ground_angle_deg,
-        )
-
-
 @record(checked=True, arrays=True)
 class FourBar(AbstractLinkage):
     """Four-bar linkage: ground, crank, coupler and rocker, joined in a loop by four pins.
@@ -551,14 +461,12 @@ class FourBar(AbstractLinkage):
         longest = max(lengths, key=lengths.__getitem__)
         others = sum(lengths.values()) - lengths[longest]
         if lengths[longest] >= others:
-            raise DesignError(
-                longest,
+            problem = (
                 f"found {mm(lengths[longest]):g}, but the other three links together reach only {mm(others):g}, "
-                "so the loop cannot close",
-                f"give {longest} less than {mm(float(others)):down} or lengthen the others",
-                "does-not-assemble",
-                inside(float(others), 1),
+                "so the loop cannot close"
             )
+            remedy = f"give {longest} less than {mm(float(others)):down} or lengthen the others"
+            raise DesignError(longest, problem, remedy, "does-not-assemble", inside(float(others), 1))
 
     @cached_property
     @with_points

@@ -17,7 +17,7 @@ from ..model.scene import Limit, Plot, Role, Scene, SceneBody, SceneCurve, Scene
 from ..model.table import Table
 from ..plane.vec import Array, Complex
 from .instant.centres import instant_centre
-from .instant.components import RATES, component_vectors
+from .instant.polygons import RATES, component_vectors
 from .motion import Motion
 
 if TYPE_CHECKING:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from itertools import groupby
 
 import numpy as np
@@ -53,16 +54,11 @@ def linkage_handles(linkage: AbstractLinkage, motion: Motion, key: str = "linkag
     edits: dict[str, list[str]] = {}
     for field, group in groupby(numbers_in(linkage), lambda number: number.field):
         number = next(group)
-        for change in (step, -step):
-            try:
-                changed = with_number(linkage, number.key, number.value + change).linkage
-            except DesignError:
-                continue
+        for _, changed in _changed(linkage, number, step):
             placed = list(_differences(general, changed))
             # The x and y of a point are its own; others, such as a corner that is given by distances, go with it.
             for id in filter(None, placed[:1] if number.key != field else placed):
                 edits.setdefault(id, []).append(field)
-            break
     taken: list[Complex] = []
     for id, fields in edits.items():
         sort, _, name = id.partition(":")
@@ -185,15 +181,19 @@ def _rates(linkage: AbstractLinkage, base: Real, factor: Callable[[Number], floa
     rates = {}
     for number in numbers_in(linkage):
         step = CHANGE * (float(np.max(linkage.linkage.size) or 1.0) if number.unit == "mm" else 1.0)
-        for change in (step, -step):
-            try:
-                changed = with_number(linkage, number.key, number.value + change).linkage
-            except DesignError:
-                continue
+        for change, changed in _changed(linkage, number, step):
             rate = (_placing_numbers(changed) - base) / change * factor(number)
             rates[f"linkage.{number.key}"] = [[int(k), to_digits(rate[k])] for k in np.flatnonzero(rate)]
-            break
     return rates
+
+
+def _changed(linkage: AbstractLinkage, number: Number, step: float) -> Iterator[tuple[float, Linkage]]:
+    """The linkage with a number changed by a step, or else by its opposite, if either is allowed."""
+    for change in (step, -step):
+        with suppress(DesignError):
+            changed = with_number(linkage, number.key, number.value + change).linkage
+            return iter([(change, changed)])
+    return iter(())
 
 
 def _placing_numbers(general: Linkage) -> Real:

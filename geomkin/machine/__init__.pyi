@@ -1,3 +1,3 @@
 # The public names of this package. Each is imported when it is first used.
 from .kinds import MachineRecipe as MachineRecipe
-from .mechanism import Mechanism as Mechanism
+from .mechanisms import Mechanism as Mechanism

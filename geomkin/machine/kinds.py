@@ -27,13 +27,9 @@ from ..recipe.composed import AbstractComposedRecipe
 from ..recipe.load import from_table, to_toml
 from ..recipe.recipe import AbstractAssembledRecipe, AbstractGoal, AbstractRecipe, Additions, assembly_summary
 from ..recipe.settings import SLOWEST_RPM, Files
-from .assembly import MachineAssembly
-from .mechanism import Mechanism, errors_of, refuse_machine
-from .placed import PlacedMechanism, joined_scene, joined_table
-from .shaft_fits import ShaftFit, motor_key, motor_room, shaft_fits
-from .shafts import ShaftGraph
-from .torques import MachineTorques
-from .walking import MachineWalking, WalkerTable, check_walker, feet_of
+from .mechanisms import Mechanism, PlacedMechanism, errors_of, joined_scene, joined_table, refuse_machine
+from .shafts import MachineAssembly, ShaftFit, ShaftGraph, motor_key, motor_room, shaft_fits
+from .torques import MachineTorques, MachineWalking, WalkerTable, check_walker, feet_of
 
 # Most mechanisms of a machine: what a page shows and a person can distinguish. Twelve legs and their train are 13.
 MOST_MECHANISMS = 16
@@ -44,12 +40,9 @@ class MachineDrive:
     """How the machine is driven."""
 
     speed_rpm: float = quantity(
-        "speed of the driver of the first mechanism; negative if clockwise",
-        "rpm",
-        default=60.0,
-        at_least=-1e6,
+        "speed of the driver of the first mechanism; negative if clockwise", "rpm", default=60.0, at_least=-1e6,
         at_most=1e6,
-    )
+    )  # fmt: skip
     speed_fluctuation: float | None = quantity(
         "allowed difference of the largest and the least speed over their mean under a constant torque, for a flywheel "
         "on the driver", default=None, above=0, at_most=1,
@@ -313,18 +306,14 @@ class MachineRecipe(AbstractAssembledRecipe):
         speeds = (f"{name} {speed}" for name, speed in self.graph.speeds.items())
         return (
             f"rotations for one of the driver: {', '.join(speeds)}",
-            f"the motion repeats after {self._period} of the driver",
+            f"the motion repeats after {_turns(self.graph.period)} of the driver",
         )
 
     @property
     def quantities(self) -> Mapping[str, str]:
         """The period and the speed of each mechanism."""
         speeds = {f"speed of {name}": f"{speed} of the driver's" for name, speed in self.graph.speeds.items()}
-        return {"period": f"{self._period} of the driver", **speeds}
-
-    @property
-    def _period(self) -> str:
-        return f"{self.graph.period} turn{'s' if self.graph.period != 1 else ''}"
+        return {"period": f"{_turns(self.graph.period)} of the driver", **speeds}
 
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
@@ -337,11 +326,12 @@ class MachineRecipe(AbstractAssembledRecipe):
             return {"mechanisms": {"pair": Mechanism(recipe=pair), "legs": leg}, "walker": carried}
         crank = from_table({"kind": "slider-crank", **EXAMPLE_CRANK})
         return {
-            "mechanisms": {
-                "pair": Mechanism(recipe=pair),
-                "pump": Mechanism(recipe=crank, turned_by="pair.second"),
-            }
+            "mechanisms": {"pair": Mechanism(recipe=pair), "pump": Mechanism(recipe=crank, turned_by="pair.second")}
         }
+
+
+def _turns(count: object) -> str:
+    return f"{count} turn{'s' if count != 1 else ''}"
 
 
 def alone(mechanisms: Mapping[str, Mechanism]) -> Mapping[str, AbstractRecipe]:

@@ -22,10 +22,9 @@ from ..plane.measure import separation
 from ..plane.primitives import Circle, rounded_hull, slot
 from ..plane.vec import Complex
 from .bores import PARALLEL_KEYS, SMALLEST, AbstractBored, clearance, key_of, widened
-from .fasteners import Fastener, ThreadDiameter, gathered, screw_text, size_of
+from .fasteners import PLAY as SNAP_PLAY
+from .fasteners import Fastener, PinPlace, SnapPin, ThreadDiameter, alike, gathered, screw_text, size_of, snap_checks
 from .motors import MotorFace, MountedMotorKey, face_of, fixed_under
-from .snap_pins import PLAY as SNAP_PLAY
-from .snap_pins import PinPlace, SnapPin, alike, snap_checks
 
 
 @record(checked=True)
@@ -93,13 +92,9 @@ class BaseOpening:
     def curves(self, clearance: float) -> tuple[AbstractCurve, ...]:
         """The hole or slot, wider than the item by the clearance. Raises DesignError if it is too narrow to cut."""
         if self.diameter < SMALLEST:
-            raise DesignError(
-                self.key,
-                f"found {mm(self.diameter):g}, but the base has a hole for {self.item}",
-                f"give at least {mm(SMALLEST):up6}, or omit base",
-                "conflict",
-                SMALLEST,
-            )
+            problem = f"found {mm(self.diameter):g}, but the base has a hole for {self.item}"
+            remedy = f"give at least {mm(SMALLEST):up6}, or omit base"
+            raise DesignError(self.key, problem, remedy, "conflict", SMALLEST)
         if self.motor:
             return face_of(self.motor).holes(clearance, self.points[0])
         radius = widened(self.diameter, clearance) / 2

@@ -15,8 +15,7 @@ from ..core.fields import FARTHEST, entry, inside, quantity, rounded_down, to_di
 from ..core.records import record
 from ..core.units import INCH, bare_mm, mm
 from ..model.check import Check
-from ..model.limits import Fit, FitLimits, HoleTolerance, fit_limits
-from ..model.part import HoleFit, Part
+from ..model.part import Fit, FitLimits, HoleFit, HoleTolerance, Part, fit_limits
 from ..plane.primitives import Circle, Polyline
 from .materials import MaterialKey, material_entry
 from .motors import HEADS, MountedMotorKey, engagement_check, face_of, motor_plate, mounted_motor_entry
@@ -76,17 +75,13 @@ def bore(diameter: float, clearance: float, widest: float, key: str, centre: com
             else ["make the part larger"]
         )
         remedy = ", or ".join(ways)
-        raise DesignError(
-            key, f"found {mm(diameter):g} {room}", remedy, value=inside(most, 1) if most > SMALLEST else 0
-        )
+        problem = f"found {mm(diameter):g} {room}"
+        raise DesignError(key, problem, remedy, value=inside(most, 1) if most > SMALLEST else 0)
     if diameter + clearance >= widest:
         most = to_digits(widest - diameter, 12)
-        raise DesignError(
-            f"{key.rpartition('.')[0]}.clearance",
-            f"found {mm(clearance):g} for a shaft of {mm(diameter):g} {room}",
-            f"give less than {mm(most):down}, or a smaller {key.rpartition('.')[2]}",
-            value=inside(most, 1),
-        )
+        problem = f"found {mm(clearance):g} for a shaft of {mm(diameter):g} {room}"
+        remedy = f"give less than {mm(most):down}, or a smaller {key.rpartition('.')[2]}"
+        raise DesignError(f"{key.rpartition('.')[0]}.clearance", problem, remedy, value=inside(most, 1))
     return (Circle(centre, (diameter + clearance) / 2),)
 
 
@@ -105,16 +100,12 @@ def keyed_bore(
         return holes
     if width == 0 or depth == 0:
         missing = "width" if width == 0 else "depth"
-        raise DesignError(
-            f"{key}.keyway_{missing}", f"found {mm(0):g}", "give width and depth of the keyway, or neither", "conflict"
-        )
+        remedy = "give width and depth of the keyway, or neither"
+        raise DesignError(f"{key}.keyway_{missing}", f"found {mm(0):g}", remedy, "conflict")
     across = diameter + clearance
     if width >= across:
-        raise DesignError(
-            f"{key}.keyway_width",
-            f"found {mm(width):g} in a bore of {mm(across):g}",
-            "give a keyway narrower than the bore",
-        )
+        problem = f"found {mm(width):g} in a bore of {mm(across):g}"
+        raise DesignError(f"{key}.keyway_width", problem, "give a keyway narrower than the bore")
     radius = across / 2
     corner = radius + depth + 0.5j * width
     if abs(corner) >= widest / 2:
@@ -572,15 +563,10 @@ class AbstractBored:
         if (flats := FLATS[self.bore_form]) > 2:
             half = (1 - SHARP) * self.bore * cos(pi / flats)
         if not half < across < self.bore:
-            raise DesignError(
-                "flat",
-                f"found {mm(across):g} across a shaft of {mm(self.bore):g}",
-                f"give more than {bare_mm(half):up} and less than {mm(self.bore):down}",
-                "out-of-range",
-                inside(self.bore, 1),
-            )
+            problem = f"found {mm(across):g} across a shaft of {mm(self.bore):g}"
+            remedy = f"give more than {bare_mm(half):up} and less than {mm(self.bore):down}"
+            raise DesignError("flat", problem, remedy, "out-of-range", inside(self.bore, 1))
         for name, size in (("keyway_width", self.keyway_width), ("keyway_depth", self.keyway_depth)):
             if size:
-                raise DesignError(
-                    name, f"found {mm(size):g} in a bore with a flat", 'give 0, or bore_form = "keyed"', "conflict"
-                )
+                problem = f"found {mm(size):g} in a bore with a flat"
+                raise DesignError(name, problem, 'give 0, or bore_form = "keyed"', "conflict")

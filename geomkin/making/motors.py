@@ -10,16 +10,7 @@ import numpy as np
 
 from ..core.arguments import ArgumentType, PositiveFloat, checked
 from ..core.errors import DesignError
-from ..core.fields import (
-    FARTHEST,
-    ComplexPoint,
-    Length,
-    entry,
-    inside,
-    quantity,
-    to_digits,
-    to_digits_or_none,
-)
+from ..core.fields import FARTHEST, ComplexPoint, Length, entry, inside, quantity, to_digits, to_digits_or_none
 from ..core.records import record
 from ..core.units import bare_mm, mm
 from ..model.check import Check, Suggestion
@@ -423,11 +414,8 @@ class MotorFace:
         head = self._own_screws.sunk[0]
         if thickness < (least := max(self.boss_height / sheets, head)):
             high = f"boss is {mm(self.boss_height):g} high, and the heads of its screws {mm(head):g}"
-            raise DesignError(
-                key,
-                f"found {motor_face_name(self)}, whose {high}, under a plate {mm(thickness):g} thick",
-                f"give a thickness of at least {mm(least):up}, or omit the motor",
-            )
+            problem = f"found {motor_face_name(self)}, whose {high}, under a plate {mm(thickness):g} thick"
+            raise DesignError(key, problem, f"give a thickness of at least {mm(least):up}, or omit the motor")
 
 
 def _square(spacing: float) -> tuple[complex, ...]:

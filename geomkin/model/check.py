@@ -10,9 +10,8 @@ from typing import Annotated, Literal
 
 from ..core.arguments import LARGEST, REAL, ArgumentType
 from ..core.errors import harmless
-from ..core.fields import to_digits
+from ..core.fields import clipped, to_digits
 from ..core.records import record
-from ..core.reprs import clipped
 from ..core.units import as_sentences
 from ..plane.vec import NOTHING, rounded
 

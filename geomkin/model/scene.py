@@ -295,9 +295,8 @@ def _check_plots(plots: tuple[Plot, ...], table: Table) -> None:
     for plot in plots:
         for id in (*plot.columns, *(limit.column for limit in plot.limits)):
             if id not in table.ids:
-                raise DesignError(
-                    "plots", f"{plot.title} names {id}, which is no column", "give the id of one", "unknown-key"
-                )
+                problem = f"{plot.title} names {id}, which is no column"
+                raise DesignError("plots", problem, "give the id of one", "unknown-key")
 
 
 @record(checked=True, eq=False)

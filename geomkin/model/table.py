@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ..core.arguments import ArgumentType
 from ..core.errors import DesignError, shown
+from ..core.fields import clipped
 from ..core.records import record
-from ..core.reprs import clipped
-from ..core.units import as_sentences
+from ..core.units import MM, LengthUnit, as_sentences
 from ..plane.vec import Array, Complex, Real, known, rounded
 
 Number = TypeVar("Number", np.floating, np.complexfloating)
@@ -185,3 +185,16 @@ def vector_columns(id: str, unit: str, meaning: str, values: Complex) -> tuple[C
 def finite(values: NDArray[Number]) -> NDArray[Number]:
     """The values, with nan in place of infinite ones; in complex values both coordinates become nan."""
     return known(np.isfinite(values), values)
+
+
+def column_in(unit: LengthUnit, column: Column) -> Column:
+    """The column in this unit."""
+    if unit.factor(column.unit) == 1:
+        return column
+    values, scale = (unit.of(numbers, column.unit) for numbers in (column.values, column.scale))
+    return Column(column.id, unit.unit(column.unit), unit.text(column.meaning), values, scale)
+
+
+def table_in(unit: LengthUnit, table: Table) -> Table:
+    """The table in this unit."""
+    return table if unit is MM else Table(tuple(column_in(unit, column) for column in table.columns))

@@ -19,8 +19,8 @@ from ..core.records import record
 from ..model.check import Check
 from ..plane.vec import Complex, Real
 from ..recipe.keys import VariedRecipe
-from ..recipe.messages import did_you_mean
 from ..recipe.recipe import AbstractRecipe
+from ..recipe.search import did_you_mean
 from ..recipe.shown import ShownRecipe
 
 # Functions that make one number of a column.
@@ -59,9 +59,8 @@ class Formula:
         """The number; nan if it is not defined."""
         values = self._values(self.node, lookup)
         if np.ndim(values):
-            raise DesignError(
-                self.field, f"{shown(self.text)} has a value at each frame", f"give one of {', '.join(SUMMARIES)} of it"
-            )
+            problem = f"{shown(self.text)} has a value at each frame"
+            raise DesignError(self.field, problem, f"give one of {', '.join(SUMMARIES)} of it")
         return float(values)
 
     def rows(self, lookup: Lookup, summary: str) -> Real:
@@ -158,9 +157,8 @@ def _parsed(field: str, text: str) -> ast.expr:
     try:
         return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise DesignError(
-            field, f"found {shown(text)}, which is no formula", COMPARISON if field == "subject_to" else REMEDY
-        ) from None
+        problem = f"found {shown(text)}, which is no formula"
+        raise DesignError(field, problem, COMPARISON if field == "subject_to" else REMEDY) from None
 
 
 def polyline_distances(points: Complex, path: Complex) -> Real:

@@ -23,16 +23,15 @@ from ..core.processes import Runner, by
 from ..core.processes import report as report_progress
 from ..core.records import record
 from ..core.units import MM, UNITS, marked
-from ..export.files import write_whole
+from ..export.summary import write_whole
 from ..model.check import Check
 from ..recipe.keys import VariedRecipe, varied
 from ..recipe.kinds import recipe_class
 from ..recipe.load import shown_numbers, to_toml
-from ..recipe.messages import field_of
+from ..recipe.reader import field_of
 from ..recipe.recipe import AbstractRecipe
 from .designs import NO_VIOLATION, Target, Trials, TriedDesign, objective, parsed_constraint
-from .front import MOST_OBJECTIVES, FrontDesign, ParetoFront, front_of, write_front
-from .search import Box, search
+from .search import MOST_OBJECTIVES, Box, FrontDesign, ParetoFront, front_of, search, write_front
 
 # Largest number of combinations of whole numbers, each of which is searched.
 MOST_COMBINATIONS = 10_000
@@ -349,9 +348,8 @@ def _own_values(source: VariedRecipe, ranges: Mapping[str, tuple[float, float]])
             given = given[part] if isinstance(part, int) or part in given else {}
         # A key that is left out may have no value.
         if key not in numbers and given != {}:
-            raise DesignError(
-                key, f"found {shown(given)}, which is not a number", "give a key of a number", "wrong-type"
-            )
+            problem = f"found {shown(given)}, which is not a number"
+            raise DesignError(key, problem, "give a key of a number", "wrong-type")
         value = numbers.get(key, (low + high) / 2)
         own[key] = value if isinstance(value, int) else float(min(max(value, low), high))
     return own

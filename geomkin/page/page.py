@@ -1,4 +1,4 @@
-"""The page of a mechanism, one HTML file with its scene as JSON, and the index page of a folder."""
+"""The page of a mechanism, one HTML file with its scene as JSON."""
 
 from __future__ import annotations
 
@@ -9,28 +9,21 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from hashlib import sha256
 from importlib.resources import files
-from itertools import islice
-from pathlib import Path
-from typing import TypeGuard
-from urllib.parse import quote
 
 import numpy as np
 
-from ..core.errors import FileError, harmless
+from ..core.errors import harmless
 from ..core.fields import to_digits
-from ..core.names import file_name_flaw, folded_name
 from ..core.units import MM, LengthUnit
-from ..export.formats import tail_of
 from ..export.job import Job
 from ..export.still import MOST_FRAMES, SCREEN, kept_frames
-from ..export.summary import listed_files, read_summary
 from ..export.svg_path import path
 from ..export.text import capital, text
 from ..model.scene import ROLES, Plot, Role, Scene, SceneBody, SceneCurve, SceneMark, SceneRegion, shown_columns
 from ..model.table import Column, significant
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Array, Complex, Real, Whole
-from .sections import all_of, picture_address, verdict
+from .sections import all_of, verdict
 
 # Digits of positions, counted from the scene's size. With fewer, plates tremble from frame to frame on a large screen;
 # one more makes a page a fifth longer.
@@ -293,7 +286,7 @@ def html_document(title: str, about: str, body: str, data: str, scripts: tuple[s
     scripts: files of `player`, the plot library first; start: the line that calls them. The page's content security
     policy allows only these scripts, whatever the texts of a recipe contain.
     """
-    script = _script(scripts, start)
+    script = script_of(scripts, start)
     page = f"""{head(title, player_file("style.css"), script)}<body>
 <header id="embed"><h1><bdi>{text(title)}</bdi></h1>{about}</header>
 <main>
@@ -318,7 +311,7 @@ def rows_document(title: str, about: str, body: str, data: Mapping[str, object],
 
 
 @cache
-def _script(scripts: tuple[str, ...], start: str) -> str:
+def script_of(scripts: tuple[str, ...], start: str) -> str:
     """Files of the player joined to one module, without `import` lines, the word `export` and lines of comment."""
     return "\n".join([*(_inlined(player_file(name)) for name in scripts), start, ""])
 
@@ -362,139 +355,3 @@ def head(title: str, style: str, script: str = "", mark: str = "") -> str:
 def _hashed(content: str) -> str:
     """Source of a script or style, as a content security policy names it."""
     return f"'sha256-{b64encode(sha256(content.encode()).digest()).decode()}'"
-
-
-NAME = "index.html"
-# The mark of pages that geomkin wrote, and the number of bytes at the start of a page in which it is searched for.
-MARK, MARK_WITHIN = b'<meta name="generator" content="geomkin">', 1000
-# Largest picture that is shown, and largest sum of all, bytes. Pictures by geomkin are far smaller; with more the page
-# opens slowly.
-LARGEST_PICTURE, ALL_PICTURES = 200_000, 5_000_000
-# Largest numbers of folders that are searched, of cards, and of files that a card lists. Readers have no use for more.
-MOST_FOLDERS, MOST_CARDS, MOST_FILES = 20_000, 2000, 300
-
-
-def index_page(folder: Path) -> dict[str, bytes]:
-    """The page for all folders in `folder` that hold the files of a recipe; it loads no other file.
-
-    Raises FileError if there are none, or if a page that geomkin did not write has this name.
-    """
-    _refuse_foreign(folder / NAME)
-    cards, count, room = [], 0, ALL_PICTURES
-    for recipe_folder in _folders(folder):
-        if not (summary := read_summary(recipe_folder)) or not isinstance(summary.get("recipe"), dict):
-            continue
-        count += 1
-        if count <= MOST_CARDS:
-            picture = _picture(recipe_folder, room)
-            room -= len(picture)
-            cards.append(_card(recipe_folder, summary, picture))
-    if not cards:
-        raise FileError(folder, "no folder in it holds the files of a recipe", "run recipes first", "file-unreadable")
-    more = f"<p>And {count - MOST_CARDS:,} more.</p>" if count > MOST_CARDS else ""
-    place = folder.resolve().name or "this folder"
-    style = f"{colours()}{player_file('index.css')}"
-    page = f"""{head(f"Mechanisms in {place}", style, mark=MARK.decode())}<body>
-<header><h1>Mechanisms</h1><p>{_counted(count, "recipe")} in <bdi>{text(place)}</bdi></p></header>
-<main>
-<ul class="cards">
-{chr(10).join(cards)}
-</ul>{more}
-</main>
-</body>
-</html>
-"""
-    return {NAME: page.encode("utf-8", "replace")}
-
-
-def _refuse_foreign(path: Path) -> None:
-    try:
-        if path.is_file():
-            with path.open("rb") as file:
-                ours = MARK in file.read(MARK_WITHIN)
-        else:
-            ours = not path.exists()
-    except OSError:
-        ours = False
-    if not ours:
-        problem = "it was not written by geomkin, and is left unchanged"
-        raise FileError(path, problem, "move it or choose another folder", "file-unwritable")
-
-
-def _folders(folder: Path) -> list[Path]:
-    """The folders in a folder, in alphabetical order."""
-    try:
-        folders = [path for path in islice(folder.iterdir(), MOST_FOLDERS) if path.is_dir()]
-    except OSError as error:
-        problem = f"cannot be read ({error.strerror})"
-        raise FileError(folder, problem, "give a folder", "file-unreadable") from error
-    valid = [path for path in folders if not file_name_flaw(path.name)]
-    return sorted(valid, key=lambda path: (folded_name(path.name), path.name))
-
-
-def _card(recipe_folder: Path, summary: dict[str, object], picture: str) -> str:
-    recipe = summary["recipe"]
-    kind = recipe.get("kind") if isinstance(recipe, dict) else ""
-    name = recipe_folder.name
-    page = f"{name}{tail_of('page')}"
-    files = sorted(file for file in listed_files(recipe_folder) if _is_there(recipe_folder / file))
-    title = f'<a href="{_link(recipe_folder, page)}">{text(name)}</a>' if page in files else text(name)
-    image = f"<img alt=\"{text(name)}, assembled\" src='{picture}'>" if picture else '<div class="none"></div>'
-    rows = "".join(f'<li><a href="{_link(recipe_folder, file)}">{text(file)}</a></li>' for file in files[:MOST_FILES])
-    more = f"<li>and {len(files) - MOST_FILES:,} more</li>" if len(files) > MOST_FILES else ""
-    listed = (
-        f"<details><summary>{_counted(len(files), 'file')}</summary><ul>{rows}{more}</ul></details>" if files else ""
-    )
-    subtitle = f'<p class="kind">{text(kind)}</p>' if isinstance(kind, str) else ""
-    return f"<li>{image}<h2><bdi>{title}</bdi></h2>{subtitle}{_verdict(summary.get('checks'))}{listed}</li>"
-
-
-def _verdict(checks: object) -> str:
-    """Number of checks that pass, and the first one that fails."""
-    if not isinstance(checks, list) or not checks or not all(map(_is_check, checks)):
-        return ""
-    failing = [check for check in checks if _is_check(check) and not check["passed"]]
-    failing.sort(key=lambda check: "expected" in check)
-    failed = [check["name"] for check in failing]
-    if not failed:
-        verdict = "The only check passed." if len(checks) == 1 else f"All {len(checks):,} checks passed."
-        return f'<p class="holds">{verdict}</p>'
-    fails = "fails" if len(failed) == 1 else "fail"
-    fails += " as expected" * all("expected" in check for check in failing)
-    verdict = f"{len(failed):,} of {_counted(len(checks), 'check')} {fails}: {text(str(failed[0])[:200])}"
-    return f'<p class="fails">{verdict}{" and others" if len(failed) > 1 else ""}.</p>'
-
-
-def _is_check(check: object) -> TypeGuard[dict[str, object]]:
-    return isinstance(check, dict) and isinstance(check.get("passed"), bool) and isinstance(check.get("name"), str)
-
-
-def _picture(recipe_folder: Path, room: int) -> str:
-    """The picture of the assembly as a data address. Shown as an image, it can neither run nor load anything."""
-    path = recipe_folder / f"{recipe_folder.name}{tail_of('assembly-svg')}"
-    try:
-        if not path.is_file() or path.stat().st_size > LARGEST_PICTURE:
-            return ""
-        with path.open("rb") as file:
-            content = file.read(LARGEST_PICTURE + 1)
-    except OSError:
-        return ""
-    # An image shows no titles.
-    address = picture_address(re.sub(rb"<title>[^<]*</title>", b"", content))
-    return address if len(content) <= LARGEST_PICTURE and len(address) <= room else ""
-
-
-def _is_there(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except OSError:
-        return False
-
-
-def _link(recipe_folder: Path, file: str) -> str:
-    """Address of a file relative to the page, with special characters escaped."""
-    return f"./{quote(recipe_folder.name)}/{quote(file)}"
-
-
-def _counted(count: int, word: str) -> str:
-    return f"{count:,} {word}{'' if count == 1 else 's'}"

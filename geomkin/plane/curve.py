@@ -11,8 +11,8 @@ from abc import ABC, abstractmethod
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..core.fields import one_line, still_picture
 from ..core.records import record
-from ..core.reprs import one_line, still_picture
 from .vec import Complex, Pose, Real, cross, unit
 
 

@@ -1,3 +1,3 @@
 # The public names of this package. Each is imported when it is first used.
-from .kinds.ratchet import RatchetRecipe as RatchetRecipe
+from .kinds import RatchetRecipe as RatchetRecipe
 from .wheel import Ratchet as Ratchet

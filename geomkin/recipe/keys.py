@@ -100,9 +100,8 @@ def _check_step(key: str, table: Any, part: str | int) -> None:
     if not isinstance(table, kind):
         raise DesignError(key, f"[{part}] is not inside a {what}", "give a key of the recipe", "unknown-key")
     if isinstance(part, int) and part >= len(table):
-        raise DesignError(
-            key, f"found [{part}], but the list has {len(table)}, from [0]", "give a smaller number", "out-of-range"
-        )
+        problem = f"found [{part}], but the list has {len(table)}, from [0]"
+        raise DesignError(key, problem, "give a smaller number", "out-of-range")
 
 
 @record

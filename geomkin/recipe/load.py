@@ -18,10 +18,10 @@ from ..core.names import Folder, read_text_file
 from ..core.records import record
 from ..core.units import MM, UNITS, LengthUnit, marked, mm
 from .kinds import kind_names, recipe_class
-from .messages import did_you_mean, field_of
 from .printing import growth
-from .reader import read_table
+from .reader import field_of, read_table
 from .recipe import FITS, AbstractRecipe, is_stock
+from .search import did_you_mean
 from .settings import kerf
 from .toml import LARGEST, parsed, table_of, toml_key, toml_value, without_none
 
@@ -178,7 +178,7 @@ def from_table(data: Mapping[str, Any], file: str = "recipe", folder: Folder = "
     try:
         kind = recipe_class(name if isinstance(name, str) else "")
     except KeyError:
-        from .messages import nearest_kind
+        from .search import nearest_kind
 
         id: ProblemId = "unknown-kind" if "kind" in data else "missing-key"
         kinds = kind_names()
@@ -336,11 +336,7 @@ def in_mm(table: Mapping[str, Any], kind: type, unit: LengthUnit) -> dict[str, A
 
 def from_mm(table: Mapping[str, Any], kind: type, unit: LengthUnit) -> dict[str, Any]:
     """The reverse; recipes in the table are already in this unit, which they need not state."""
-
-    def inner_recipe(inner: Mapping[str, Any]) -> dict[str, Any]:
-        return {key: value for key, value in inner.items() if key != "units"}
-
-    return _converted(table, kind, unit.in_digits, inner_recipe)
+    return _converted(table, kind, unit.in_digits, lambda inner: {k: v for k, v in inner.items() if k != "units"})
 
 
 def _converted(

@@ -13,21 +13,19 @@ from typing import Any, ClassVar, Protocol, Self
 from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.field_visitor import DeclaredField, fields_of, with_lengths
-from ..core.fields import entry, quantity, to_digits
+from ..core.fields import entry, moving_picture, quantity, to_digits
 from ..core.records import record
-from ..core.reprs import moving_picture
 from ..core.units import Units, in_sentences
 from ..model.check import Check, WorkedFormula
-from ..model.corner_relief import relieved
+from ..model.machinability import ADVICE, beam_checks, relieved, thinnest_walls, wall_checks
 from ..model.material import Mass
 from ..model.motor import RotatingBody
 from ..model.part import Bought, Part
 from ..model.scene import Candidate, Scene
 from ..model.table import Table
-from ..model.thin_features import ADVICE, beam_checks, thinnest_walls, wall_checks
 from ..plane.vec import Real
+from .aspect import AbstractEdited, AbstractPlaced
 from .printing import PRINT_IN_PLACE, Printing, apply_clearance, gap_check
-from .questions import AbstractEdited, AbstractPlaced
 from .settings import Files, OptimiseTable
 
 # Properties of recipes that hold sentences.

@@ -16,8 +16,8 @@ from ..core.fields import Coordinate, allowed
 from ..core.names import LONGEST
 from .kinds import ENTRY_POINTS, kind_names, recipe_class
 from .load import plain_value, short_table, table_lines
-from .messages import did_you_mean
 from .recipe import SHARED, AbstractRecipe
+from .search import did_you_mean
 from .toml import toml_value
 
 # Editors look for the schema in the folder of the recipe, so no network is needed.
@@ -244,9 +244,8 @@ def kind_package(kind: str) -> dict[str, bytes]:
         remedy = (
             f"give a new name of at most {LONGEST} small letters and digits, in words joined by -, such as geneva-drive"
         )
-        raise DesignError(
-            "KIND", f"found {shown(kind)}", remedy, "conflict" if kind in kind_names() else "out-of-range"
-        )
+        problem = f"found {shown(kind)}"
+        raise DesignError("KIND", problem, remedy, "conflict" if kind in kind_names() else "out-of-range")
     module = f"geomkin_{kind.replace('-', '_')}"
     source = files(__package__).joinpath("example_kind.py").read_text("utf-8")
     words = {"kind": kind, "module": module, "group": ENTRY_POINTS}

@@ -33,15 +33,14 @@ def parsed(text: str, file: str = "recipe") -> dict[str, Any]:
         raise _whole(file, "it nests too deep", "give tables at most three deep", "invalid-toml") from None
     except ValueError as error:
         # Imported only for errors, here and below.
-        from .messages import toml_mistake
+        from .reader import toml_mistake
 
         mistake = toml_mistake(text, str(error))
         if mistake:
             raise RecipeError(file, [mistake]) from None
         complaint = str(error).replace("Cannot overwrite a value", "a key is given twice")
-        raise _whole(
-            file, f"it is not TOML: {printable(complaint, 200)}", "correct this line", "invalid-toml"
-        ) from None
+        problem = f"it is not TOML: {printable(complaint, 200)}"
+        raise _whole(file, problem, "correct this line", "invalid-toml") from None
 
 
 def _text(path: Path) -> str:
@@ -52,19 +51,16 @@ def _text(path: Path) -> str:
             content = file.read(LARGEST + 1)
     except OSError as error:
         problem = f"cannot be read ({error.strerror})"
-        raise FileError(
-            path, problem, "give a recipe file, or in Python a text of several lines", "file-unreadable"
-        ) from error
+        remedy = "give a recipe file, or in Python a text of several lines"
+        raise FileError(path, problem, remedy, "file-unreadable") from error
     if len(content) > LARGEST:
-        raise _whole(
-            str(path), f"it is larger than {LARGEST:,} bytes", "give a recipe, a short TOML file", "too-much-work"
-        )
+        problem = f"it is larger than {LARGEST:,} bytes"
+        raise _whole(str(path), problem, "give a recipe, a short TOML file", "too-much-work")
     try:
         return content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as error:
-        raise _whole(
-            str(path), f"byte {error.start} is not UTF-8", "save it as UTF-8 text", "file-unreadable"
-        ) from None
+        problem = f"byte {error.start} is not UTF-8"
+        raise _whole(str(path), problem, "save it as UTF-8 text", "file-unreadable") from None
 
 
 def _whole(file: str, problem: str, remedy: str, id: ProblemId) -> RecipeError:

@@ -74,7 +74,7 @@ def built(draft: Draft, edit: Mapping[str, Any]) -> str:
     if do == "rename":
         return _renamed(draft, edit.get("old"), edit.get("new"))
     number, change = EDITS.get(do, (0, None)) if isinstance(do, str) else (0, None)
-    if change is None or not are_clicks(on, number) or not isinstance(frame, int) or not _is_size(step):
+    if change is None or not are_clicks(on, number) or not isinstance(frame, int) or not is_size(step):
         problem, names = f"found {shown(do)} with {shown(on)}", ", ".join(EDITS)
         raise DesignError("build", problem, f"give one of {names} with the places of its clicks", "wrong-type")
     before, (grid, writer) = _structure(draft, frame), _grid(draft, step)
@@ -331,5 +331,6 @@ def plain(value: float) -> float | int:
     return int(value) if float(value).is_integer() and abs(value) < 2**53 else float(value)
 
 
-def _is_size(step: object) -> bool:
+def is_size(step: object) -> bool:
+    """Whether a value can be the size of a pixel, mm."""
     return isinstance(step, int | float) and not isinstance(step, bool) and 1e-9 < step < FARTHEST

@@ -34,7 +34,7 @@ from .drafts import Draft, flat, read
 from .dragging import dragged, is_locked, plot_factors
 from .joining import joined, shafts
 from .lengths import dimensions, resized
-from .strokes import drawn_recipe, lines_of
+from .strokes import drawn_recipe, lines_of, posed_recipe
 from .structure import Structure, advice, drawn, is_unfinished, point_handles, structure_at, structure_data, unfinished
 
 # Where keys begin of which some may be missing or wrong while a linkage is built.
@@ -65,9 +65,9 @@ def answer(
         Texts of the files that it names.
     request : mapping
         `set`, values by dotted key, None to remove one; or `add`, the key of a table or a list of them; or `build`, an
-        edit as `built` takes it; or `draw`, a stroke with `points`, [x, y] in mm, and `bars`; or `join`, a mechanism
-        as `joined` takes it; or `length`, another length of one of `dimensions`; or `drag`, with `handle`, `to`,
-        `frame`, `step` and `snap`;
+        edit as `built` takes it; or `draw`, a stroke with `points`, [x, y] in mm, and `bars`, or `poses`, [x, y,
+        angle] in mm and deg, with `step`; or `join`, a mechanism as `joined` takes it; or `length`, another length of
+        one of `dimensions`; or `drag`, with `handle`, `to`, `frame`, `step` and `snap`;
         `locks`, keys that a drag may not change; `lane`, "scene" or "checks".
     name : str
         Name of the recipe, by default its kind.
@@ -240,6 +240,8 @@ def _drawn(draft: Draft, stroke: Mapping[str, Any]) -> str:
         table = {}
     kind, units = table.get("kind"), table.get("units")
     known = units if isinstance(units, str) and units in UNITS else MM.name
+    if "poses" in stroke:
+        return posed_recipe(draft, str(kind), known, stroke["poses"], stroke.get("step", 0.1))
     return drawn_recipe(draft.text, str(kind), known, stroke.get("points"), stroke.get("bars", 6))
 
 

@@ -20,12 +20,11 @@ from ..core.errors import DesignError, GeomkinError, printable
 from ..core.names import PathName
 from ..core.records import record
 from ..core.units import mm
-from ..export.files import write_whole
 from ..export.job import Job, StaticSource
+from ..export.summary import write_whole
 from ..gear.checks import mesh_checks
 from ..gear.contract import AbstractGear
-from ..gear.kinds.planetary import PlanetaryRecipe
-from ..gear.kinds.single_gears import RingGearRecipe, SpurGearRecipe
+from ..gear.kinds.gears import PlanetaryRecipe, RingGearRecipe, SpurGearRecipe
 from ..gear.pair import GearPair
 from ..gear.parts import GearStock, RingStock, gear_parts
 from ..gear.planetary import PlanetarySet

@@ -15,13 +15,14 @@ from typing import Any
 from zipfile import ZIP_DEFLATED, ZipFile
 
 from ..build import make
-from ..core.errors import GeomkinError, printable
+from ..core.errors import DesignError, GeomkinError, printable
 from ..core.names import file_name_flaw
 from ..export.job import Job
-from ..export.scene_svg import assembly_picture
+from ..export.scene_svg import animation, assembly_picture
 from ..recipe.kinds import KINDS, all_kinds, gallery, recipe_class
 from ..recipe.load import parse
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
+from ..recipe.search import other_names
 from ..recipe.shown import ShownRecipe
 from ..recipe.template import template
 from .building import EMPTY
@@ -33,6 +34,8 @@ from .workspace import BackgroundJob, Jobs, Workspace
 
 # Characters of the description of a recipe in the gallery.
 LONGEST_TITLE = 240
+# Characters of a recipe that are searched.
+LONGEST_SEARCHED = 8000
 # Seconds that an answer may take before it goes on as a job.
 AT_ONCE = 0.4
 # Seconds for which a request for changes of a file waits, and between two looks at it.
@@ -82,7 +85,7 @@ class Studio:
         self._last: list[Draft] = []
         # The last search for checks, and the last one for a scene.
         self._searches: dict[bool, BackgroundJob] = {}
-        self._pictures: dict[str, bytes] = {}
+        self._pictures: dict[tuple[str, bool], bytes] = {}
 
     def get(self, name: str, query: Mapping[str, str]) -> Any:
         """The answer to a GET request."""
@@ -92,7 +95,7 @@ class Studio:
                 return {"first": first, "text": text, "folder": str(self.workspace.folder)}
             case "gallery":
                 kinds = [
-                    {"kind": kind, "group": row.group, "about": recipe_class(kind).about()}
+                    {"kind": kind, "group": row.group, "about": recipe_class(kind).about(), "words": other_names(kind)}
                     for kind, row in all_kinds().items()
                 ]
                 return {"kinds": kinds, "recipes": [self._listed(name) for name in self.workspace.recipes]}
@@ -222,6 +225,7 @@ class Studio:
             "name": name,
             "kind": kind,
             "title": " ".join(line.lstrip("# ") for line in comments)[:LONGEST_TITLE] or about,
+            "words": f"{text[:LONGEST_SEARCHED]} {other_names(kind, name)}",
         }
 
     @cached_property
@@ -231,12 +235,14 @@ class Studio:
         home = Workspace(folder)
         if home.folder == self.workspace.folder:
             return []
-        named = {file.removesuffix(".toml"): about for file, about in known.items()}
-        return [
-            {"name": name, "kind": kind, "title": about[:LONGEST_TITLE]}
-            for name, (kind, about) in named.items()
-            if not home.files_of(home.open(name).text)
-        ]
+        examples = []
+        for file, (kind, about) in known.items():
+            name = file.removesuffix(".toml")
+            text = home.open(name).text
+            if not home.files_of(text):
+                words = f"{text[:LONGEST_SEARCHED]} {other_names(kind, name)}"
+                examples.append({"name": name, "kind": kind, "title": about[:LONGEST_TITLE], "words": words})
+        return examples
 
     def archive(self, folder: str) -> bytes:
         """All files of a recipe that was made, in one zip."""
@@ -263,23 +269,30 @@ class Studio:
         raise RefusedError(HTTPStatus.NOT_FOUND, "there is no such file")
 
     def _picture(self, query: Mapping[str, str]) -> bytes:
-        """A small picture of a recipe of the folder, or of a kind; empty if it takes a search or is wrong."""
+        """A small picture of a recipe of the folder, or of a kind; empty if it takes a search or is wrong.
+
+        With `moving` in the query it moves, if the mechanism does.
+        """
         if "recipe" in query:
             name, text = query["recipe"], self.workspace.open(query["recipe"]).text
         elif "example" in query:
             name, text = query["example"], Workspace(gallery()[0]).open(query["example"]).text
         else:
             name, text = "", self._known_kind(query, lambda kind: template(recipe_class(kind)))
-        if text not in self._pictures:
-            self._pictures[text] = b"" if _is_search(text) else self._drawn(text, name)
-        return self._pictures[text]
+        key = text, "moving" in query
+        if key not in self._pictures:
+            self._pictures[key] = b"" if _is_search(text) else self._drawn(text, name, "moving" in query)
+        return self._pictures[key]
 
-    def _drawn(self, text: str, name: str) -> bytes:
+    def _drawn(self, text: str, name: str, is_moving: bool) -> bytes:
         with suppress(GeomkinError):
             recipe = parse(text, "recipe", str(self.workspace.folder)).with_name(name)
             if recipe.scene is not None:
                 shown, tolerance = ShownRecipe(recipe), recipe.files.tolerance
-                return assembly_picture(Job(recipe.name or recipe.kind, shown, tolerance, unit=shown.unit))
+                job = Job(recipe.name or recipe.kind, shown, tolerance, unit=shown.unit)
+                with suppress(DesignError):
+                    return animation(job) if is_moving else assembly_picture(job)
+                return assembly_picture(job)
         return b""
 
     def _changed(self, query: Mapping[str, str]) -> dict[str, str]:

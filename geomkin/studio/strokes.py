@@ -21,7 +21,8 @@ from ..synthesis.found import Rounding
 from ..synthesis.kinds.linkage_goals import recipe_of, strokes_of
 from ..synthesis.path.closed_lines import WantedLine
 from ..synthesis.path.path import nearest_linkages
-from .building import plain
+from .building import is_size, plain
+from .drafts import Draft
 
 # Most points of a stroke, and the number of points of the path that it becomes, closed or open.
 MOST_DRAWN, CLOSED, OPEN = 20_000, 48, 15
@@ -39,6 +40,13 @@ kind = "path-generator"
 
 [wanted]
 """
+GUIDANCE = """# A linkage that carries a body through poses that were placed.
+kind = "body-guidance"
+
+[wanted]
+"""
+# Poses that a recipe has at least, and decimals of their angles, deg.
+LEAST_POSES, ANGLE_DIGITS = 3, 1
 
 
 def stroke_points(drawn: Any) -> tuple[Complex, bool]:
@@ -109,9 +117,46 @@ def drawn_recipe(text: str, kind: str, units: str, drawn: Any, bars: Any = 6) ->
         "wanted.bars": bars if is_closed else 4,
     }
     if kind != "path-generator":
-        return edited_text(HEAD if units == "mm" else HEAD.replace("\n\n", f'\nunits = "{units}"\n\n', 1), wanted)
+        return edited_text(_in_units(HEAD, units), wanted)
     gone = ("file", "svg", "count", "drive_deg", "step_deg", "slides")
     return edited_text(text, {**wanted, **{f"wanted.{key}": None for key in gone}, "choose": None})
+
+
+def posed_recipe(draft: Draft, kind: str, units: str, poses: Any, step: Any = 0.1) -> str:
+    """The text of a recipe that carries a body through poses; one of the kind body-guidance gets them after its own.
+
+    Parameters
+    ----------
+    draft : Draft
+        The recipe before.
+    kind, units : str
+        Its kind, and its unit of length.
+    poses : list of [x, y, angle]
+        Positions, mm, with angles in deg.
+    step : float
+        Size of a pixel, mm, to which positions are rounded.
+    """
+    if not isinstance(poses, Sequence) or not all(_is_row(pose, 3) for pose in poses):
+        raise DesignError("draw", f"found {shown(poses)}", "give poses as [x, y, angle] in mm and deg", "wrong-type")
+    if not is_size(step):
+        raise DesignError("draw", f"found {shown(step)}", "give the size of a pixel in mm as step", "out-of-range")
+    is_guidance = kind == "body-guidance"
+    mm = UNITS[units].mm * (draft.scale if is_guidance else 1.0)
+    digits = -int(np.floor(np.log10(step / mm)))
+    rows = [
+        [*(plain(round(x / mm, digits)) for x in (u, v)), plain(round(angle, ANGLE_DIGITS))] for u, v, angle in poses
+    ]
+    if is_guidance:
+        first = len(draft.values["wanted.poses"])
+        return edited_text(draft.text, {f"wanted.poses[{first + k}]": row for k, row in enumerate(rows)})
+    if len(rows) < LEAST_POSES:
+        raise DesignError("draw", f"found {len(rows)} poses", f"give {LEAST_POSES} or more", "out-of-range")
+    return edited_text(_in_units(GUIDANCE, units), {"wanted.poses": rows})
+
+
+def _in_units(text: str, units: str) -> str:
+    """The start of a recipe with its unit of length."""
+    return text if units == "mm" else text.replace("\n\n", f'\nunits = "{units}"\n\n', 1)
 
 
 def known_linkages(drawn: Any) -> list[dict[str, Any]]:
@@ -151,6 +196,10 @@ def lines_of(strokes: Sequence[Complex]) -> list[list[Any]]:
 
 
 def _is_place(place: object) -> bool:
-    if not isinstance(place, Sequence) or isinstance(place, str) or len(place) != 2:
+    return _is_row(place, 2)
+
+
+def _is_row(row: object, length: int) -> bool:
+    if not isinstance(row, Sequence) or isinstance(row, str) or len(row) != length:
         return False
-    return all(isinstance(x, int | float) and not isinstance(x, bool) and abs(x) <= FARTHEST for x in place)
+    return all(isinstance(x, int | float) and not isinstance(x, bool) and abs(x) <= FARTHEST for x in row)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from ..core.errors import DesignError, FileError, GeomkinError, printable, shown
 from ..core.names import file_name_flaw, read_text_file
 from ..core.processes import progress_to
-from ..export.files import write_whole
+from ..export.summary import write_whole
 from ..recipe.toml import LARGEST, parsed
 
 # Texts of a recipe that may be names of files; a longer one is no name.

@@ -22,8 +22,8 @@ from ..core.records import record
 from ..model.check import Check
 from ..plane.vec import Real
 from ..recipe.keys import VariedRecipe
-from ..recipe.messages import did_you_mean
 from ..recipe.recipe import AbstractRecipe
+from ..recipe.search import did_you_mean
 from ..recipe.shown import ShownRecipe
 
 # Largest number of combinations, with which slow kinds already take hours.
@@ -41,9 +41,8 @@ EXACT = Context(prec=60, traps=[])
 def parsed_values(key: str, given: object) -> tuple[Any, ...]:
     """The values of a key, without duplicates, from a text such as `8:120:4` or `-0.5,0,0.5`, or from a sequence."""
     if not isinstance(key, str) or not KEY.fullmatch(key):
-        raise DesignError(
-            "values", f"found the key {shown(key)}", "give one such as gear.teeth or program[0].rise", "unknown-key"
-        )
+        problem = f"found the key {shown(key)}"
+        raise DesignError("values", problem, "give one such as gear.teeth or program[0].rise", "unknown-key")
     if isinstance(given, str):
         values = [value for entry in _split(key, given) for value in _parsed(key, entry)]
     else:
@@ -79,9 +78,8 @@ def _split(key: str, text: str) -> list[str]:
         else:
             parts[-1] += sign
     if any(not part.strip() for part in parts):
-        raise DesignError(
-            key, f"found {shown(text)}, in which a value is missing", "give a value between two commas", "wrong-type"
-        )
+        problem = f"found {shown(text)}, in which a value is missing"
+        raise DesignError(key, problem, "give a value between two commas", "wrong-type")
     return parts
 
 
@@ -100,9 +98,8 @@ def _range(key: str, text: str, start: Decimal, stop: Decimal, step: Decimal) ->
     """Values from start in steps; the stop is included if a step meets it."""
     steps = EXACT.divide(EXACT.subtract(stop, start), step)
     if not steps.is_finite() or steps < 0:
-        raise DesignError(
-            key, f"found {shown(text.strip())}", "give start:stop:step, the step towards the stop", "wrong-type"
-        )
+        problem = f"found {shown(text.strip())}"
+        raise DesignError(key, problem, "give start:stop:step, the step towards the stop", "wrong-type")
     if steps >= MOST:
         least = Context(3, ROUND_CEILING, traps=[]).divide(abs(EXACT.subtract(stop, start)), Decimal(MOST - 1))
         problem = f"found {shown(text.strip())}, which is more than {MOST:,} values"
@@ -116,9 +113,8 @@ def _sequence(key: str, given: object) -> list[Any]:
     if isinstance(given, np.ndarray):
         given = given.tolist()
     if not isinstance(given, (list, tuple, range)):
-        raise DesignError(
-            "values", f"found {shown(given)} for {printable(key)}", "give a list of values, or a text", "wrong-type"
-        )
+        problem = f"found {shown(given)} for {printable(key)}"
+        raise DesignError("values", problem, "give a list of values, or a text", "wrong-type")
     if len(given) > MOST:
         raise DesignError(key, f"found {len(given):,} values", f"give at most {MOST:,}", "too-much-work")
     return list(given)
@@ -131,9 +127,8 @@ def _checked(key: str, value: Any) -> Any:
     if isinstance(value, (list, tuple)) and len(value) <= MOST:
         return [_checked(key, item) for item in value]
     if not isinstance(value, PLAIN) or (isinstance(value, float) and not math.isfinite(value)):
-        raise DesignError(
-            key, f"found {shown(value)}", "give finite numbers, texts, true or false, or points [x, y]", "wrong-type"
-        )
+        problem = f"found {shown(value)}"
+        raise DesignError(key, problem, "give finite numbers, texts, true or false, or points [x, y]", "wrong-type")
     if isinstance(value, int) and abs(value) > 2**63:
         raise DesignError(key, f"found {shown(value)}", "give a smaller number", "out-of-range")
     return value

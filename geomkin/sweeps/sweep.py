@@ -25,7 +25,7 @@ from ..core.processes import Runner, by, by_this_process
 from ..core.processes import report as report_progress
 from ..core.records import record
 from ..core.version import __version__
-from ..export.files import system_errors_as_file_errors, write_whole
+from ..export.summary import system_errors_as_file_errors, write_whole
 from ..export.tables import csv
 from ..export.text import capital, number, text
 from ..model.check import Check
@@ -402,9 +402,8 @@ def swept(
     )
     keyed = {key: parsed_values(key, given) for key, given in values.items()}
     if not keyed:
-        raise DesignError(
-            "values", "found none", 'give a key and its values, such as {"gear.teeth": [8, 12]}', "missing-key"
-        )
+        remedy = 'give a key and its values, such as {"gear.teeth": [8, 12]}'
+        raise DesignError("values", "found none", remedy, "missing-key")
     changes = list(combinations(keyed))
     task.check_keys({key: row[0] for key, row in keyed.items()})
     _check_results(task, changes)

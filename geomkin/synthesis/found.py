@@ -9,9 +9,8 @@ from typing import Self, TypeVar
 
 import numpy as np
 
-from ..core.fields import to_digits_or_none
+from ..core.fields import moving_picture, to_digits_or_none
 from ..core.records import record
-from ..core.reprs import moving_picture
 from ..linkage.linkage import AbstractLinkage, Linkage
 from ..linkage.measures import least_transmission_angle
 from ..linkage.moving import move

@@ -22,10 +22,10 @@ from ..core.processes import Watch
 from ..core.records import record
 from ..core.version import __version__
 from ..plane.vec import Mask
-from .breaking import CELLS
-from .cell import ANSWERS, Digits, answered, measured_digits
+from .cam_and_gear_cells import CAM_CELLS, GEAR_CELLS
 from .families import FAMILIES
-from .family import Method, MethodFamily
+from .family import ANSWERS, Cell, Digits, Method, MethodFamily, answered, measured_digits
+from .linkage_cells import LINKAGE_CELLS, POSE_CELLS
 
 # Processor seconds for each point of a full chart, and for all points of a family in a quick one. With less time the
 # least of the batches still falls; more changes no reported digit.
@@ -327,6 +327,7 @@ def pareto_front(seconds: AnyFloat, errors: AnyFloat) -> Mask:
 
 # Negative powers of ten of the distance from the singular position, and those whose digits the page shows.
 POWERS, SHOWN = tuple(range(1, 16)), (4, 8, 12, 15)
+CELLS: tuple[Cell, ...] = (*LINKAGE_CELLS, *POSE_CELLS, *CAM_CELLS, *GEAR_CELLS)
 DIGIT_KINDS = ("library", "textbook", "allowed")
 # What the page shows of each cell.
 HEADS = ("mechanism", "place", "distance", "result", "geomkin", "textbook", "possible", "what geomkin does")

@@ -19,8 +19,7 @@ from ..core.units import MM, UNITS, LengthUnit, Sentence, bare_mm, marked, mm, s
 from ..export.cut import LayerStyles
 from ..export.formats import format_of
 from ..export.summary import CERTIFICATE, FOUND, LAYOUT, NAME, Stamp, read_summary, recipe_hash
-from ..model.corner_relief import relieved
-from ..model.thin_features import beam_checks
+from ..model.machinability import beam_checks, relieved
 from ..recipe.load import from_table
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.settings import Format

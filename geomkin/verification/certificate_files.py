@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..core.units import MM, LengthUnit
-from ..export.files import write_whole
-from ..export.summary import CERTIFICATE, as_json
+from ..export.summary import CERTIFICATE, as_json, write_whole
 from ..export.text import text
 from ..plane.region import thinned
 from ..plane.vec import Complex

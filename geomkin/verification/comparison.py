@@ -12,8 +12,8 @@ import numpy as np
 from ..core.errors import printable
 from ..core.records import record
 from ..core.units import mm
-from ..export.lettering import lettered
-from ..model.corner_relief import relieved
+from ..export.text import lettered
+from ..model.machinability import relieved
 from ..model.part import Part
 from ..plane.region import Edges, containers, gap, is_simple, offset, overlapping
 from ..plane.vec import Complex, Real, Whole, dot
@@ -512,11 +512,6 @@ def _marks_apart(found: Sequence[Outline], exact: Sequence[Outline], resolution:
     return reduce(larger, distances)
 
 
-def _unmarked(shape: Shape) -> Shape:
-    """Solids have no engraving."""
-    return Shape(shape.outline, shape.holes)
-
-
 def _thickness_problems(low: float, high: float, part: Part, share: float) -> list[str]:
     if max(abs(low), abs(high - part.thickness)) <= share * max(part.thickness, 1.0) + 1e-6:
         return []
@@ -551,7 +546,7 @@ def measure_mesh(mesh: Mesh, exact: ExactPart, tolerance: float) -> Measured:
         if plate is None:
             problems.append(f"its section at z = {mm(height):.4g} is not one plate")
             break
-        found = compared(plate, _unmarked(shape), name, tolerance)
+        found = compared(plate, Shape(shape.outline, shape.holes), name, tolerance)
         worst = found if found.problems else worst_of([worst, found])
         if found.problems:
             break

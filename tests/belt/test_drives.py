@@ -11,7 +11,7 @@ import geomkin as gk
 from geomkin.belt.profiles import BELTS, CHAINS
 from geomkin.core.errors import RecipeError
 from geomkin.recipe.load import from_table
-from geomkin.recipe.messages import NOT_OFFERED
+from geomkin.recipe.search import NOT_OFFERED
 from tests.gallery import marks, named, recipe, seen
 from tests.texts import template_of
 

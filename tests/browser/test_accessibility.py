@@ -74,6 +74,10 @@ def test_studio(studio, view):  # noqa: F811
         page = studio(text, **VIEWS[view]).page
         assert findings(page) == []
         if text:
+            page.click("#build")
+            for tool in ("photo", "pose"):
+                page.click(f"[data-tool={tool}]")
+                assert findings(page) == []
             page.click("[data-view=text]")
             assert findings(page) == []
             page.fill("#text textarea", f"{text}rocker = ")

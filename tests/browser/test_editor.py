@@ -459,15 +459,58 @@ def test_the_gallery_is_searched_by_words(studio):
     page.wait_for_selector("#examples .card")
     page.fill("#search", "walking leg")
     assert 1 <= page.locator(".card:visible").count() < 12
-    page.fill("#search", "no such thing")
+    page.fill("#search", "xyzzy quux")
     assert page.is_visible("#no-match") and not page.locator(".card:visible").count()
     page.fill("#search", "cam")
     assert page.locator('#kinds .card:visible:has-text("disk-cam")').count()
+    # A wish, also by other names of a kind, or of which nothing has all words.
+    for wish, kind in (
+        ("something that dwells", "stephenson-six-bar"),
+        ("an epicyclic", "planetary"),
+        ("xyzzy epicyclic", "planetary"),
+    ):
+        page.fill("#search", wish)
+        assert page.locator(f'#kinds .card:visible:has(b:text-is("{kind}"))').count() == 1
+        assert page.locator("#kinds .card:visible").count() < 6
+        assert page.is_visible("#no-match") == ("xyzzy" in wish)
     # A recipe of the gallery is a new one, without a file.
     page.fill("#search", "klann")
     page.click("#examples .card:visible >> nth=0")
     page.wait_for_selector("body[data-checked]")
     assert page.text_content("#name") == "new linkage" and page.locator("#player .plate").count() >= 5
+
+
+def test_the_recipes_that_were_opened_last_are_first_and_move_under_the_pointer(studio):
+    editor = studio("")
+    page = editor.page
+    for name in ("a", "b", "c"):
+        editor.file.with_name(f"{name}.toml").write_text(FOUR_BAR)
+    for name in ("b", "c"):
+        page.reload()
+        page.click(f'#folder .card:has(b:text-is("{name}"))')
+        page.wait_for_selector("body[data-checked]")
+    page.emulate_media(reduced_motion="no-preference")
+    page.click("#gallery")
+    page.wait_for_selector("#gallery-dialog[open]")
+    cards = page.locator("#folder .card")
+    assert cards.locator("b").all_inner_texts()[:3] == ["c", "b", "a"]
+    image = cards.nth(1).locator("img")
+    shown = """(image) => new Promise((resolve) => {
+        const look = () => (image.complete && image.src ? resolve([image.src, image.naturalWidth]) : setTimeout(look, 20));
+        look();
+    })"""
+    address, width = image.evaluate(shown)
+    assert "moving" not in address and width > 0
+    with page.expect_response(lambda reply: "moving" in reply.url) as moving:
+        cards.nth(1).hover()
+    assert "@keyframes" in moving.value.text()
+    page.focus("#search")
+    page.mouse.move(0, 0)
+    assert image.evaluate(shown)[0] == address
+    # Not for those who want no motion.
+    page.emulate_media(reduced_motion="reduce")
+    cards.nth(1).hover()
+    assert image.evaluate(shown)[0] == address
 
 
 @pytest.mark.parametrize(("width", "height"), [(1440, 900), (1280, 720)])

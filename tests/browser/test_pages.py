@@ -510,3 +510,29 @@ def test_a_notebook_s_frame_moves_as_the_page_does_and_reaches_nothing(what, fol
     assert not said and set(asked) <= {cell.resolve().as_uri(), "about:srcdoc", "data:,"}
     page.screenshot(path=str(folder / f"{what}.png"))
     context.close()
+
+
+def test_the_index_is_searched_by_words(chromium, tmp_path):
+    for name in ("crank-rocker", "planetary", "geneva"):
+        gk.make(RECIPES / f"{name}.toml", tmp_path, only=["assembly-svg"])
+    gk.index(tmp_path)
+    page = chromium.new_page(offline=True)
+    said = []
+    page.on("console", lambda message: said.append(message.text))
+    page.goto((tmp_path / "index.html").as_uri())
+    found = {
+        wish: (
+            page.fill("#search", wish),
+            page.locator("h2:visible").count(),
+            page.locator("h3:visible").all_inner_texts(),
+        )
+        for wish in ("an epicyclic", "something with steps of a maltese cross", "xyzzy", "")
+    }
+    assert [names for _, _, names in found.values()] == [
+        ["planetary"],
+        ["geneva"],
+        [],
+        ["crank-rocker", "planetary", "geneva"],
+    ]
+    assert [groups for _, groups, _ in found.values()] == [1, 1, 0, 3] and page.is_hidden("#no-match") and not said
+    page.close()

@@ -9,7 +9,7 @@ from geomkin.cam.base_circle import least_base_circle
 from geomkin.cam.checks import segment_limits, tightest_convex
 from geomkin.cam.followers.flat import OscillatingFlat, TranslatingFlat
 from geomkin.cam.followers.roller import OscillatingRoller, TranslatingRoller
-from geomkin.cam.program.extrema import samples
+from geomkin.cam.program.laws import samples
 from geomkin.cam.undercut import undercut
 from tests.campaign import by_default
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomkin.cam.program.extrema import exceeds, highest, highest_between, largest, samples
+from geomkin.cam.program.laws import exceeds, highest, highest_between, largest, samples
 
 BREAKS = np.array([0.0, 0.7, 1.1, 3.0, 2 * np.pi])
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.cam.program.extrema import highest
+from geomkin.cam.program.laws import highest
 from geomkin.core.fields import check_sizes, quantity
 
 

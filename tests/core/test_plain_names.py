@@ -4,7 +4,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.core.names import check_names
-from geomkin.export.files import write_whole
+from geomkin.export.summary import write_whole
 from geomkin.model.part import Part
 
 PLAIN = [

@@ -6,7 +6,7 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.export.lettering import strokes_of
+from geomkin.export.text import strokes_of
 
 CASES = [
     {"pin": 3},

@@ -14,7 +14,7 @@ from geomkin.export.dxf import dxf
 from geomkin.export.job import Job, StaticSource
 from geomkin.export.svg import svg
 from geomkin.making.bores import AbstractBored
-from geomkin.model.corner_relief import relieved
+from geomkin.model.machinability import relieved
 from geomkin.plane.flatten import flatten
 from geomkin.plane.measure import length
 from geomkin.recipe.settings import Files

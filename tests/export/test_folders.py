@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 
 import geomkin as gk
-from geomkin.export import files
+from geomkin.export import summary
 from tests.export.test_index import read
 
 
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="the system cannot make an interrupt wait")
 @pytest.mark.parametrize("fails", [False, True])
 def test_an_interrupt_waits_until_no_half_file_is_left(tmp_path, monkeypatch, fails):
-    waits, real = [], files._write_temporary
+    waits, real = [], summary._write_temporary
 
     def set_down(path, content):
         waits.append(signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, []))
@@ -22,9 +22,9 @@ def test_an_interrupt_waits_until_no_half_file_is_left(tmp_path, monkeypatch, fa
             raise OSError(28, "No space left on device")
         return real(path, content)
 
-    monkeypatch.setattr(files, "_write_temporary", set_down)
+    monkeypatch.setattr(summary, "_write_temporary", set_down)
     try:
-        files.write_whole(tmp_path, {"a": b"1", "b": b"2"})
+        summary.write_whole(tmp_path, {"a": b"1", "b": b"2"})
     except gk.FileError as error:
         assert fails and "No space left" in str(error)
     assert all(waits) and len(waits) == (1 if fails else 2)

@@ -104,9 +104,10 @@ def test_other_files_in_the_folder_do_no_harm(strange):
     before = {p: p.stat().st_mtime_ns for p in strange.rglob("*.json") if p.is_file()}
     gk.index(strange)
     page = read(strange)
-    assert not page.of("script") and not page.of("i") and not page.of("b") and not page.of("svg")
-    titles = re.findall(r"<h2><bdi>(?:<a[^>]*>)?([^<]*)", (strange / "index.html").read_text())
-    assert titles == ["checks", "crank-rocker", "failed", "odd"]
+    assert len(page.of("script")) == 1 and not page.of("i") and not page.of("b") and not page.of("svg")
+    titles = re.findall(r"<h3><bdi>(?:<a[^>]*>)?([^<]*)", (strange / "index.html").read_text())
+    # Those of known kinds first, by their groups.
+    assert titles == ["crank-rocker", "checks", "failed", "odd"]
     links = [unquote(a["href"]) for a in page.of("a")]
     assert "./odd/odd.svg" in links and not any(".." in link or "gone" in link for link in links)
     assert all((strange / link).is_file() for link in links)
@@ -132,3 +133,11 @@ def twice(folder):
     for name in ("one", "two"):
         (folder / f"{name}.toml").write_text(text)
     return folder / "one.toml", folder / "two.toml"
+
+
+def test_cards_are_in_groups_and_say_what_a_recipe_is(made):
+    gk.index(made)
+    page = read(made)
+    assert [name for name, _ in page.found if name in ("h2", "h3")] == ["h2", "h3", "h2", "h3"]
+    words = [attributes["data-words"] for attributes in page.of("li") if "data-words" in attributes]
+    assert "pumpjack" in words[0] and "four-bar" in words[0] and "spur-gear" in words[1]

@@ -6,7 +6,7 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.export.lettering import MARGIN, lettered, strokes_of
+from geomkin.export.text import MARGIN, lettered, strokes_of
 
 BAR = gk.plane.rounded_hull([0, 60j], 7)
 HOLES = (gk.plane.Circle(0, 2.1), gk.plane.Circle(60j, 2.1))

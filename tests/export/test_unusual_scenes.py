@@ -5,7 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.export.cut import cut, decimals
-from geomkin.model.thin_features import thinnest_walls
+from geomkin.model.machinability import thinnest_walls
 
 
 def test_a_hole_that_rounds_to_none_is_refused_and_one_that_is_reported_is_cut():

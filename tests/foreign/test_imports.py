@@ -9,7 +9,7 @@ from click.testing import CliRunner
 import geomkin as gk
 from geomkin.cli import cli
 from geomkin.core.errors import RecipeError
-from geomkin.foreign.reading import imported
+from geomkin.foreign.programs import imported
 
 from .written import ALL, FOUR_BAR, SIX_BAR, linkage2, pmks, positions, pylinkage
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.assembly_failures import assembly_error
+from geomkin.linkage.checks import assembly_error
 from tests.linkage.examples import FOUR_BAR, TURN, boom, locked, pushed
 
 TRIPLE_ROCKER = gk.FourBar(4, 3, 2, 2.5)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.solve.closing_roots import gap_of
+from geomkin.linkage.solve.input_dyads import gap_of
 
 STEPS = [7, 361]
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.instant.components import component_columns, components_check
+from geomkin.linkage.instant.polygons import component_columns, components_check
 from tests.linkage.examples import ALL
 
 SPEED, ACCELERATION = 3.0, 2.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.solve import drive_range
+from geomkin.linkage.solve import branch
 from tests.linkage.examples import FOUR_BAR, TURN, locked
 from tests.linkage.near_misses import by_brute_force, near_misses
 
@@ -317,7 +317,7 @@ def test_too_many_turns_are_refused_with_a_number_that_works():
 
 
 def test_too_many_linkages_to_follow_are_refused_with_numbers_that_work(monkeypatch):
-    monkeypatch.setattr(drive_range, "MOST", 2000)
+    monkeypatch.setattr(branch, "MOST", 2000)
 
     def closed(count, drive=(0.0, 0.1)):
         bars = gk.FourBar(np.full(count, 100.0), 30, 90, 70, coupler_point=50 + 50j)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.parts.engraved import PlateStock, skeleton
+from geomkin.linkage.parts.stock import PlateStock, skeleton
 from tests.texts import parse, template_of
 
 

@@ -10,7 +10,7 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.linkage.standing import ground_slopes, support_margin
+from geomkin.linkage.measures import ground_slopes, support_margin
 
 WALKER = (Path(__file__).parent.parent.parent / "recipes" / "walker.toml").read_text("utf-8")
 # Without masses the weight is in the middle.

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.standing import foot_shares, foot_slip
+from geomkin.linkage.measures import foot_shares, foot_slip
 
 FRAMES = 1440
 LEGS = [(0, False), (0, True), (180, False), (180, True), (0, False), (0, True)]

@@ -11,7 +11,7 @@ import shapely
 import shapely.affinity
 
 import geomkin as gk
-from geomkin.export.lettering import lettered
+from geomkin.export.text import lettered
 from geomkin.plane.primitives import Circle, Polyline
 from tests.campaign import by_default
 from tests.gear.test_parts_mates import LANTERN

@@ -7,7 +7,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.making.bores import AbstractBored
-from geomkin.model.limits import GRADES, NARROW, NARROW_SHAFTS, RANGES, SHAFTS, fit_limits, limits
+from geomkin.model.part import GRADES, NARROW, NARROW_SHAFTS, RANGES, SHAFTS, fit_limits, limits
 
 # Micrometres, by nominal size up to 3, 6, 10, 18, 30, 50, 80 and 120 mm: a handbook's table, typed in independently.
 HANDBOOK = {

@@ -10,7 +10,7 @@ from shapely.geometry import LineString, Polygon, box
 
 import geomkin as gk
 from geomkin.build import check_recipe
-from geomkin.making.snap_pins import SnapPin
+from geomkin.making.fasteners import SnapPin
 from geomkin.plane.flatten import flatten
 from geomkin.plane.measure import area
 from geomkin.plane.vec import xy

@@ -8,7 +8,7 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.model.thin_features import beam_check
+from geomkin.model.machinability import beam_check
 from geomkin.verification.read_back import read_svg
 
 CASE = Path(__file__).parent.parent / "cases" / "kerf-near-root-gap.toml"

@@ -5,8 +5,8 @@ import pytest
 import shapely
 
 import geomkin as gk
+from geomkin.model.machinability import thinnest_walls, wall_checks
 from geomkin.model.part import Twist
-from geomkin.model.thin_features import thinnest_walls, wall_checks
 from geomkin.plane.primitives import slot
 
 PITCH = 2 * np.pi / 14

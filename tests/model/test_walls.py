@@ -11,7 +11,7 @@ import geomkin as gk
 from geomkin.build import check_recipe
 from geomkin.gear.parts import Web, openings
 from geomkin.making.bores import keyed_bore
-from geomkin.model.thin_features import thinnest_wall
+from geomkin.model.machinability import thinnest_wall
 from geomkin.plane.vec import Pose
 from tests.campaign import by_default
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from geomkin.gear.spur import SpurGear
 from geomkin.plane import measure
-from geomkin.plane.arcs import to_arcs
+from geomkin.plane.approximation import to_arcs
 from geomkin.plane.curve import Moved, Offset, Reversed
 from geomkin.plane.primitives import Arc, Circle, Segment, rounded_hull, slot
 from geomkin.plane.vec import Pose, xy

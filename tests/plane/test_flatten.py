@@ -14,8 +14,8 @@ from geomkin.plane.curve import Moved, Offset, SubCurve
 from geomkin.plane.flatten import flatten
 from geomkin.plane.joined import Path, PolarArray
 from geomkin.plane.measure import signed_area
-from geomkin.plane.parallel import parallel
 from geomkin.plane.primitives import Arc, Circle, Segment, rounded_hull, slot
+from geomkin.plane.region import parallel
 from geomkin.plane.vec import Pose, xy
 from tests.campaign import by_default
 

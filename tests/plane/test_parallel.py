@@ -9,8 +9,8 @@ from geomkin.plane import measure
 from geomkin.plane.curve import Moved, Offset, Reversed
 from geomkin.plane.flatten import flatten
 from geomkin.plane.joined import Path, PolarArray
-from geomkin.plane.parallel import parallel
 from geomkin.plane.primitives import Arc, Circle, Polyline, Segment, rounded_hull, slot
+from geomkin.plane.region import parallel
 from geomkin.plane.vec import Pose, xy
 from tests.campaign import by_default
 

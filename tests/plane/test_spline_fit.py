@@ -5,8 +5,8 @@ import pytest
 import shapely
 
 import geomkin as gk
+from geomkin.plane.approximation import smooth_pieces
 from geomkin.plane.flatten import flatten
-from geomkin.plane.spline_fit import smooth_pieces
 
 COUPLER = gk.CouplerCurve(gk.FourBar(100, 30, 90, 70, coupler_point=40 + 30j), "coupler_point")
 CURVES = {

@@ -5,8 +5,8 @@ import pytest
 from shapely.geometry import Polygon
 
 import geomkin as gk
-from geomkin.linkage.parts.counterweight_plates import round_end
 from geomkin.linkage.parts.plates import LinkPlate
+from geomkin.linkage.parts.rotating_masses import round_end
 from geomkin.plane.flatten import flatten
 
 BALANCED = "recipes/balanced-rocker.toml"

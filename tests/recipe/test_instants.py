@@ -9,8 +9,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.linkage import inflection_circle
-from geomkin.linkage.kinds.any_linkage import PLAIN
-from geomkin.linkage.kinds.instants import CentrodesRecipe, InflectionCircleRecipe
+from geomkin.linkage.kinds.instants import PLAIN, CentrodesRecipe, InflectionCircleRecipe
 from geomkin.recipe import to_toml
 from tests.campaign import by_default
 from tests.texts import parse, template_of

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 import geomkin as gk
-from geomkin.model.thin_features import least_wall
+from geomkin.model.machinability import least_wall
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 

@@ -151,6 +151,8 @@ def test_recipes_of_the_gallery_are_offered_and_run_in_any_folder(running):
         text = json.loads(ask(running, "new", {"example": example["name"]})[2])["text"]
         assert not answer(text, {}, {})["problems"]
     assert ask(running, f"picture?example={examples[0]['name']}")[2].startswith(b"<?xml")
+    still, moving = (ask(running, f"picture?example=crank-rocker{query}")[2].decode() for query in ("", "&moving=1"))
+    assert "@keyframes" in moving and "@keyframes" not in still
     for wrong in ("../pyproject", "nothing", 3):
         assert ask(running, "new", {"example": wrong})[0] in (400, 422)
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.studio.drafts import Draft
 from geomkin.studio.edit import answer
-from geomkin.studio.strokes import drawn_recipe, known_linkages, stroke_points
+from geomkin.studio.strokes import drawn_recipe, known_linkages, posed_recipe, stroke_points
 
 TURN = np.linspace(0, 2 * np.pi, 200)
 HEART = 32 * np.sin(TURN) ** 3 + 2j * sum(a * np.cos(k * TURN) for k, a in enumerate((13, -5, -2, -1), 1))
@@ -85,3 +86,31 @@ def test_what_is_no_stroke_is_refused(drawn):
         known_linkages(drawn)
     reply = answer("", {}, {"draw": {"points": drawn}})
     assert reply["problems"] and reply["text"] == ""
+
+
+@pytest.mark.parametrize(("units", "mm"), [("mm", 1.0), ("in", 25.4)])
+def test_poses_begin_a_recipe_and_are_added_to_one(units, mm):
+    text = f'kind = "linkage"\nunits = "{units}"\n'
+    placed = [[0.0, 0.0, 0.04], [40.123, 20, 30.06], [60, 59.96, -80]]
+    refused = answer(text, {}, {"draw": {"poses": placed[:2], "step": 0.1}})
+    assert refused["limit"] and refused["text"] == text
+    reply = drawn_poses(text, units, placed)
+    # To a pixel, and a tenth of a degree.
+    assert np.abs(poses_of(reply, mm) - placed).max() < 0.06
+    scaled = f"{reply}\n".replace("\n\n[wanted]", "\nscale = 2\n\n[wanted]")
+    more = drawn_poses(scaled, units, [[-30, 90, 100]])
+    assert np.abs(poses_of(more, mm)[:3] - poses_of(reply, mm)).max() == 0
+    assert np.abs(poses_of(more, 2 * mm)[3, :2] - [-30, 90]).max() < 0.11
+    for wrong in ("x", [[0, 0]], [[0, 0, "1"]], [[0, 0, float("nan")]], None):
+        assert answer(text, {}, {"draw": {"poses": wrong}})["limit"]
+    assert answer(text, {}, {"draw": {"poses": placed, "step": 0}})["limit"]
+
+
+def drawn_poses(text, units, poses):
+    draft = Draft(text, {})
+    kind = tomllib.loads(text)["kind"]
+    return posed_recipe(draft, kind, units, poses, 0.1)
+
+
+def poses_of(text, mm):
+    return np.array(tomllib.loads(text)["wanted"]["poses"]) * [mm, mm, 1]

@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 
 import geomkin as gk
-from geomkin.tradeoff.breaking import CELLS
-from geomkin.tradeoff.cell import Digits
 from geomkin.tradeoff.families import FAMILIES
-from geomkin.tradeoff.measurement import DIGIT_KINDS, HEADS, POWERS, Stability
+from geomkin.tradeoff.family import Digits
+from geomkin.tradeoff.measurement import CELLS, DIGIT_KINDS, HEADS, POWERS, Stability
 
 FOLDER = Path(__file__).parent.parent / "speed" / "chart"
 PAGE = Path(__file__).parents[2] / "docs" / "stability.md"

@@ -17,7 +17,7 @@ from click.testing import CliRunner
 import geomkin as gk
 from geomkin.cli import cli
 from geomkin.core.processes import progress_to
-from geomkin.export.files import write_whole
+from geomkin.export.summary import write_whole
 from geomkin.tradeoff import measurement
 from geomkin.tradeoff.families import FAMILIES
 from tests.tradeoff import kept
@@ -171,7 +171,7 @@ def test_the_command_writes_the_files_after_each_family(tmp_path, monkeypatch):
         written.append(set(contents))
         write_whole(folder, contents)
 
-    monkeypatch.setattr("geomkin.export.files.write_whole", note)
+    monkeypatch.setattr("geomkin.export.summary.write_whole", note)
     result = CliRunner().invoke(cli, ["chart", "toy-sum", "other", "--quick", "--out", str(tmp_path / "made")])
     assert result.exit_code == 0 and result.stdout.endswith("made/chart: 2 families, 8 points\n")
     names = {"chart.csv", "chart.html", "toy-sum.svg"}

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.tradeoff.breaking import CELLS
-from geomkin.tradeoff.cell import ANSWERS, answered, measured_digits
+from geomkin.tradeoff.family import ANSWERS, answered, measured_digits
+from geomkin.tradeoff.measurement import CELLS
 from tests.tradeoff import kept
 
 every_cell = pytest.mark.parametrize("cell", CELLS, ids=lambda cell: cell.name)

@@ -13,7 +13,7 @@ from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
 from ...plane.primitives import Segment
 from ...plane.vec import Complex, Pose, Real, dot
-from ..program.extrema import highest, largest
+from ..program.laws import highest, largest
 from ..program.program import FollowerMotion, Program
 from .follower import (
     CORNER,

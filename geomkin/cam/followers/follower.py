@@ -15,7 +15,7 @@ from ...core.units import mm
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Polyline
 from ...plane.vec import Complex, Pose, Real
-from ..program.extrema import largest
+from ..program.laws import largest
 from ..program.program import FollowerMotion, Program
 
 # Radius of outer corners, mm. Smaller corners cut fingers, chip when dropped and burn in a laser beam; larger ones

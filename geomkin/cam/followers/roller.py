@@ -15,7 +15,7 @@ from ...core.records import record
 from ...core.units import mm
 from ...plane.primitives import Arc, Circle, rounded_hull
 from ...plane.vec import Complex, Pose, Real, cross
-from ..program.extrema import highest
+from ..program.laws import highest
 from ..program.program import FollowerMotion, Program
 from .follower import (
     AbstractFollower,

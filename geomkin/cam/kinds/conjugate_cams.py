@@ -31,7 +31,7 @@ from ..dynamics import CamForces
 from ..followers.follower import FollowerPlate, Hole
 from ..followers.roller import OscillatingRoller, TranslatingRoller
 from ..parts import LETTERS, TIMING_STEP, cam_base, cam_plate, follower_part, unheld
-from ..program.extrema import largest, samples
+from ..program.laws import largest, samples
 from ..program.program import FollowerMotion, Program
 from ..undercut import Undercut
 from .disk_cam import CamAdditions

@@ -34,8 +34,7 @@ from ..followers.flat import TranslatingFlat
 from ..followers.follower import FOLLOWERS, side_sign
 from ..followers.roller import OscillatingRoller, TranslatingRoller
 from ..parts import CamStock
-from ..program.extrema import largest
-from ..program.laws import LAWS
+from ..program.laws import LAWS, largest
 from ..program.placed_segments import place_segments
 from ..program.program import Program
 from ..program.segments import (
@@ -50,8 +49,7 @@ from ..program.segments import (
     Segment,
 )
 from ..scene import cam_handles, cam_scene, with_size_plot
-from .loads import CamLoadsAspect, CamLoadsTable
-from .made import MadeCam
+from .made import CamLoadsAspect, CamLoadsTable, MadeCam
 
 # Laws as formulas of x, or of the angle phi: its start and range in deg, the lift, and its derivatives by
 # x. The parabolic one is that of its first half, and those in several pieces are that of the second of them.
@@ -227,9 +225,8 @@ class AbstractCamRecipe(AbstractComposedRecipe):
         if speed < 0:
             other = "counterclockwise" if self.cam.direction == "clockwise" else "clockwise"
             remedy = f'give {-speed:g}, and direction = "{other}" in [cam]'
-            raise DesignError(
-                "drive.speed_rpm", f"found {speed:g}; cam.direction sets the direction instead", remedy, "out-of-range"
-            )
+            problem = f"found {speed:g}; cam.direction sets the direction instead"
+            raise DesignError("drive.speed_rpm", problem, remedy, "out-of-range")
         self.drive.check_rows()
         for aspect in self.aspects:
             aspect.check()

@@ -27,7 +27,7 @@ from ...recipe.composed import AspectKinds
 from ..checks import LEAST_PITCH_TO_ROLLER, convex_curvature, tightest_concave
 from ..followers.follower import FollowerPlate, Hole
 from ..parts import LETTERS, TIMING_STEP, cam_base, cam_plate, follower_part, unheld
-from ..program.extrema import samples
+from ..program.laws import samples
 from .positive import AbstractPositiveCam, AbstractPositiveCamRecipe, PositiveLoadsAspect
 
 # Dowels that hold the core and the ring on the disc; two would do, and in a ring they would leave its far side loose.

@@ -28,12 +28,11 @@ from ..checks import cam_table
 from ..followers.follower import FollowerPlate, Hole
 from ..followers.roller import AbstractRoller
 from ..parts import pin_masses
-from ..program.extrema import samples
+from ..program.laws import samples
 from ..scene import cam_scene, with_size_plot
 from ..undercut import Undercut, undercut
 from .disk_cam import AbstractCamRecipe, CamAdditions
-from .loads import LONGEST_ARROW, CamLoadsAspect
-from .made import MadeCam
+from .made import LONGEST_ARROW, CamLoadsAspect, MadeCam
 
 # Steps of the approach to a wall. Each leaves 1 - cos(pressure angle) of the distance: 1e-9 of it at 45 deg.
 STEPS = 17

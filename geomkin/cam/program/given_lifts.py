@@ -74,9 +74,8 @@ def _from_csv(name: object, folder: Folder) -> tuple[Real, bool]:
     # Counted first: a much larger file would need a gigabyte as lists of numbers.
     count = text.count("\n")
     if count > MOST_ROWS + 1:
-        raise DesignError(
-            "file", f"{printable(name)} has {count:,} lines", f"give at most {MOST_ROWS:,} rows", "too-much-work"
-        )
+        problem = f"{printable(name)} has {count:,} lines"
+        raise DesignError("file", problem, f"give at most {MOST_ROWS:,} rows", "too-much-work")
     lines = csv_cells(text, name)
     header = [cell.strip() for cell in lines[0]] if lines else []
     lifts = [column for column in LIFTS if column in header]
@@ -91,9 +90,8 @@ def _from_csv(name: object, folder: Folder) -> tuple[Real, bool]:
             continue
         if "".join(line[len(header) :]).strip():
             problem = f"line {k} of {printable(name)} has {len(line)} cells, the first line {len(header)}"
-            raise DesignError(
-                "file", problem, "give the same number; decimal commas need semicolons between the cells", "wrong-type"
-            )
+            remedy = "give the same number; decimal commas need semicolons between the cells"
+            raise DesignError("file", problem, remedy, "wrong-type")
         points.append(
             [_number(line, column, f"line {k} of {printable(name)}, column {column + 1},") for column in columns]
         )
@@ -106,9 +104,8 @@ def _number(line: list[str], column: int, place: str) -> float:
     try:
         return float(cell)
     except ValueError:
-        raise DesignError(
-            "file", f"{place} holds {printable(repr(cell), 20)}", "give a number there", "wrong-type"
-        ) from None
+        problem = f"{place} holds {printable(repr(cell), 20)}"
+        raise DesignError("file", problem, "give a number there", "wrong-type") from None
 
 
 @record(eq=False)

@@ -335,9 +335,8 @@ def optimal_spline(
     limited = slopes / jerk_limit if jerk_limit else slopes[:0]
     solved = least_peak(equal, values, knots, limited)
     if solved is None:
-        raise DesignError(
-            "intervals", f"found {intervals}, for which the search does not converge", "give another number"
-        )
+        problem = f"found {intervals}, for which the search does not converge"
+        raise DesignError("intervals", problem, "give another number")
     c, weights, shares = solved
     proven = bound(equal, values, knots, weights, limited, shares, c)
     highest = max(abs(start[1]), abs(end[1]))

@@ -77,9 +77,8 @@ def place_segments(segments: Sequence[Segment], folder: Folder) -> list[PlacedSe
     made: list[PlacedSegment] = []
     angle, lift, rows = 0.0, 0.0, 0
     if len(segments) > MOST_SEGMENTS:
-        raise DesignError(
-            "program", f"found {len(segments):,} segments", f"give at most {MOST_SEGMENTS:,}", "too-much-work"
-        )
+        problem = f"found {len(segments):,} segments"
+        raise DesignError("program", problem, f"give at most {MOST_SEGMENTS:,}", "too-much-work")
     for k, segment in enumerate(segments):
         place = f"program[{k}]"
         with errors_named_by_segment(place):
@@ -111,9 +110,8 @@ def place_segments(segments: Sequence[Segment], folder: Folder) -> list[PlacedSe
 
 def _check_whole(made: list[PlacedSegment], angle: float, lift: float) -> None:
     if abs(angle - 360) > SLIP:
-        raise DesignError(
-            "program", f"the segments end at {angle:g} deg", "make the last one end at 360 deg", "out-of-range"
-        )
+        problem = f"the segments end at {angle:g} deg"
+        raise DesignError("program", problem, "make the last one end at 360 deg", "out-of-range")
     swings = {placed.oscillates: placed.place for placed in made if placed.oscillates is not None}
     if len(swings) == 2:
         problem = f"{swings[False]} has its lift in mm and {swings[True]} in degrees"
@@ -158,13 +156,11 @@ def _end_lift(segment: Timed, before: float) -> tuple[float, bool | None]:
     field, end, oscillates = _given_end(segment, before)
     unit = "deg" if oscillates else "mm"
     if isinstance(segment, Rise) and end <= before:
-        raise DesignError(
-            field, f"it ends at {mm(end, unit=unit):g}, not above its start", "use a return to go down", "out-of-range"
-        )
+        problem = f"it ends at {mm(end, unit=unit):g}, not above its start"
+        raise DesignError(field, problem, "use a return to go down", "out-of-range")
     if isinstance(segment, Return) and end >= before:
-        raise DesignError(
-            field, f"it ends at {mm(end, unit=unit):g}, not below its start", "use a rise to go up", "out-of-range"
-        )
+        problem = f"it ends at {mm(end, unit=unit):g}, not below its start"
+        raise DesignError(field, problem, "use a rise to go up", "out-of-range")
     if end < 0:
         limits = {"fall": f"at most {mm(before, unit=unit):down}", "rise": f"at least {mm(-before, unit=unit):up}"}
         limit = limits.get(field.removesuffix("_deg"), f"at least {mm(0, unit=unit):g}")
@@ -214,12 +210,8 @@ def _segment_of_points(
     # Measured rows of a dwell deviate to both sides.
     if points[low, 1] < -band(segment):
         problem = f"the lift is {mm(points[low, 1], unit=unit):g} at {points[low, 0]:g} deg, below the base circle"
-        raise DesignError(
-            field + row.format(low),
-            problem,
-            f"give {mm(0, unit=unit):g} or more, and a smaller base_radius",
-            "out-of-range",
-        )
+        remedy = f"give {mm(0, unit=unit):g} or more, and a smaller base_radius"
+        raise DesignError(field + row.format(low), problem, remedy, "out-of-range")
     if alone:
         points = _from_zero(points, segment, unit)
     start, end = points[[0, -1], 0]

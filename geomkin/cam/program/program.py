@@ -17,9 +17,8 @@ from ...core.names import Folder
 from ...core.records import record
 from ...core.units import mm
 from ...plane.vec import Real, Whole
-from .extrema import SegmentPeaks, highest
 from .given_lifts import TableFit, read_lifts, spline_through
-from .laws import Ends, Law, breaks_of, law_of, polynomial_from
+from .laws import Ends, Law, SegmentPeaks, breaks_of, highest, law_of, polynomial_from
 from .optimise import OptimalLaw, optimal_polynomial, optimal_spline
 from .placed_segments import SLIP, PlacedSegment, band, errors_named_by_segment, place_segments
 from .segments import Dwell, LiftPolynomial, LiftTable, OptimisedPolynomial, OptimisedSpline, Return, Rise, Segment
@@ -124,9 +123,8 @@ def _optimal(
     if isinstance(segment, OptimisedSpline):
         optimum = optimal_spline(segment.intervals, rise / size, first, last, segment.jerk_limit)
     elif segment.match_jerk and segment.degree < 7:
-        raise DesignError(
-            "degree", f"found {segment.degree}, too low to match the jerk", "give at least 7", "out-of-range"
-        )
+        problem = f"found {segment.degree}, too low to match the jerk"
+        raise DesignError("degree", problem, "give at least 7", "out-of-range")
     else:
         optimum = optimal_polynomial(segment.degree, rise / size, first, last, segment.jerk_limit)
     unit = np.radians(1) if placed.oscillates else 1.0
@@ -216,9 +214,8 @@ class Program:
 
     def __post_init__(self) -> None:
         if not isinstance(self.segments, (tuple, list)):
-            raise DesignError(
-                "segments", f"found {shown(self.segments)}", "give a list of segments, such as Dwell", "wrong-type"
-            )
+            problem = f"found {shown(self.segments)}"
+            raise DesignError("segments", problem, "give a list of segments, such as Dwell", "wrong-type")
         if not isinstance(self.folder, (str, Path, Mapping, type(None))):
             raise DesignError("folder", f"found {shown(self.folder)}", "give the path of a folder", "wrong-type")
         # Raises for inconsistent segments.

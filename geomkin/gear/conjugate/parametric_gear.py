@@ -94,9 +94,8 @@ class ParametricToothGear(AbstractFlankGear):
         settle_module(self)
         if not self.t_start < self.t_end:
             problem = f"found {self.t_end:g}, and the bottom land is at {self.t_start:g}"
-            raise DesignError(
-                "t_end", problem, "give a larger number; a formula of -t reverses a curve", "out-of-range"
-            )
+            remedy = "give a larger number; a formula of -t reverses a curve"
+            raise DesignError("t_end", problem, remedy, "out-of-range")
         self._check_smooth()
         try:
             self._check_flank()

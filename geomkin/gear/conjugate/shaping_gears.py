@@ -137,9 +137,8 @@ class AbstractFlankGear(AbstractGear, AbstractShaper):
             )
         # A flank may end in the middle of the tooth.
         if angle.min() < -1e-9:
-            raise DesignError(
-                "flank", "it crosses the middle of its tooth", "give the side with x >= 0 and +y in the middle"
-            )
+            problem = "it crosses the middle of its tooth"
+            raise DesignError("flank", problem, "give the side with x >= 0 and +y in the middle")
         if angle.max() > np.pi / self.teeth * (1 + 1e-9):
             problem = f"it is up to {np.degrees(angle.max()):.4g} deg from the middle of its tooth, beyond half a pitch"
             remedy = f"keep it within {180 / self.teeth:.4g} deg of +y: give thinner or fewer teeth"

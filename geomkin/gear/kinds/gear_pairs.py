@@ -16,8 +16,8 @@ from ...core.fields import entry, quantity, to_digits
 from ...core.records import record
 from ...core.units import UNITS, mm
 from ...making.assembly import Assembly, BaseStock, RackBaseStock
+from ...making.fasteners import pin_parts
 from ...making.materials import MATERIALS
-from ...making.snap_pins import pin_parts
 from ...model.check import Check, WorkedFormula, WorkedFormulas
 from ...model.motor import RotatingBody
 from ...model.part import Part
@@ -27,12 +27,10 @@ from ...plane.curve import AbstractCurve
 from ...plane.vec import Real
 from ...recipe.recipe import Additions, assembly_summary
 from ...recipe.settings import Files
-from ..checks import gear_checks, mesh_checks
-from ..contract import AbstractInvoluteGear
+from ..checks import RackLoads, RackStrength, gear_checks, mesh_checks
+from ..contract import AbstractInvoluteGear, Helix
 from ..cutters import balanced_shifts, undercut_free_shift
-from ..helix import Helix
 from ..measures import contact_table
-from ..output_loads import RackLoads, RackStrength
 from ..pair import GearPair, InternalGearPair
 from ..parts import GearStock, RingStock, base_plate, gear_parts
 from ..parts_assembly import Wheel, pair_assembly, pair_base, rack_assembly, rack_base

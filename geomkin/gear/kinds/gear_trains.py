@@ -28,9 +28,8 @@ from ...plane.primitives import Circle
 from ...plane.vec import Pose, Real
 from ...recipe.recipe import Additions, assembly_summary
 from ...recipe.settings import Files
-from ..checks import gear_checks, mesh_checks
+from ..checks import TrainLoads, TrainStrength, gear_checks, mesh_checks
 from ..cutters import LARGEST
-from ..output_loads import TrainLoads, TrainStrength
 from ..parts import GearStock
 from ..parts_train import ArborStock, TrainStocks, arbor_check, train_assembly, train_parts
 from ..scene import (

@@ -23,8 +23,7 @@ from ...plane.joined import PolarArray
 from ...plane.vec import without_rounding
 from ...recipe.recipe import AbstractAssembledRecipe, Additions
 from ...recipe.settings import Files
-from ..contract import AbstractInvoluteGear
-from ..helix import Hand, Helix, helix_angle
+from ..contract import AbstractInvoluteGear, Hand, Helix, helix_angle
 from ..measures import chord, over_pins, over_stock_pins, span
 from ..parts import RingStock
 from ..ring import RingGear

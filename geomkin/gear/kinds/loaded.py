@@ -19,8 +19,7 @@ from ...model.material import Material
 from ...model.table import Column, Table
 from ...recipe.aspect import AbstractAspect
 from ...recipe.composed import AbstractComposedRecipe
-from ..checks import strength_checks
-from ..output_loads import RackStrength, TrainStrength
+from ..checks import RackStrength, TrainStrength, strength_checks
 from ..strength import AbstractMeshStrength, LoadFactors, PairStrength, PlanetaryStrength, pressure_column
 from .helical import backlash_remarks
 
@@ -125,9 +124,8 @@ def loaded_materials(**stocks: Material | None) -> tuple[Material, ...]:
     for key, material in stocks.items():
         if material is None:
             problem = "is missing, and the strength under [loads] depends on it"
-            raise DesignError(
-                f"{key}.material", problem, f"give {' or '.join(MATERIALS)}, or omit loads", "missing-key"
-            )
+            remedy = f"give {' or '.join(MATERIALS)}, or omit loads"
+            raise DesignError(f"{key}.material", problem, remedy, "missing-key")
     return tuple(material for material in stocks.values() if material is not None)
 
 

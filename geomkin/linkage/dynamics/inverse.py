@@ -13,9 +13,8 @@ from ...core.records import record
 from ...model.motor import MotorDuty
 from ...plane.vec import Complex, Mask, Real, cross
 from ..motion import Motion
-from .equilibrium import BLOCK, Equilibrium
 from .loads import Loads
-from .wrenches import NEWTON, Wrenches, known_place
+from .wrenches import BLOCK, NEWTON, Equilibrium, Wrenches, known_place
 
 # N mm/s in W.
 WATT = 1e-3

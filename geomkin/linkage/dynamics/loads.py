@@ -17,8 +17,7 @@ from ...core.units import mm
 from ...model.material import Mass
 from ...plane.vec import Array, Real, unit
 from ..motion import Motion
-from .friction import PinFriction, SlideFriction
-from .wrenches import Wrenches, known_body, known_place
+from .wrenches import PinFriction, SlideFriction, Wrenches, known_body, known_place
 
 
 @record(checked=True, eq=False)
@@ -297,13 +296,9 @@ class GasSpring(_TwoPoints):
     force: float = quantity("push when fully extended", "N", default=0.0, at_least=0, at_most=FARTHEST, example=100)
     extended: float = quantity("length when extended", "mm", default=0.0, at_least=0, at_most=FARTHEST, example=200)
     gas_length: float = quantity(
-        "length of the gas column: the push is force / (1 - compression / gas_length)",
-        "mm",
-        default=FARTHEST,
-        above=0,
-        at_most=FARTHEST,
-        example=300,
-    )
+        "length of the gas column: the push is force / (1 - compression / gas_length)", "mm", default=FARTHEST,
+        above=0, at_most=FARTHEST, example=300,
+    )  # fmt: skip
     stroke: float | None = quantity(
         "by which its rod goes in; a check then compares its lengths in motion", "mm", default=None, above=0,
         at_most=FARTHEST,
@@ -312,11 +307,8 @@ class GasSpring(_TwoPoints):
     def tension(self, length: Real) -> Real:
         compression = self.extended - length
         if np.any(compression >= self.gas_length):
-            raise DesignError(
-                "springs.gas_length",
-                f"the gas spring is compressed by {mm(np.fmax.reduce(compression, axis=None)):.5g}",
-                "give a longer gas column, or a shorter spring",
-            )
+            problem = f"the gas spring is compressed by {mm(np.fmax.reduce(compression, axis=None)):.5g}"
+            raise DesignError("springs.gas_length", problem, "give a longer gas column, or a shorter spring")
         return np.where(compression >= 0, -self.force / (1 - compression / self.gas_length), 0.0)
 
 

@@ -167,11 +167,7 @@ def judged_counterbalance(
 
 @checked
 def best_counterbalance(
-    linkage: SliderCrank,
-    masses: SliderCrankMasses,
-    branch: Branch = 1,
-    turned: bool = False,
-    acceleration: float = 0.0,
+    linkage: SliderCrank, masses: SliderCrankMasses, branch: Branch = 1, turned: bool = False, acceleration: float = 0.0
 ) -> Counterbalance:
     """The counterbalance that minimises the largest shaking force over the turn.
 
@@ -227,12 +223,9 @@ def _peaks(
 ) -> tuple[Real, Complex]:
     """Crank angles at which the force has its largest maxima, and sum m a there, without the counterbalance."""
     if linkage.coupler <= (least := float(linkage.crank + np.abs(linkage.offset))):
-        raise DesignError(
-            "coupler",
-            f"found {mm(linkage.coupler):g}, so the crank cannot turn fully",
-            f"give more than {mm(least):up}, crank and offset together",
-            value=inside(least, -1),
-        )
+        problem = f"found {mm(linkage.coupler):g}, so the crank cannot turn fully"
+        remedy = f"give more than {mm(least):up}, crank and offset together"
+        raise DesignError("coupler", problem, remedy, value=inside(least, -1))
     driven = replace(linkage, driver="crank")
     size = np.abs(_from_crank(driven, masses, LOOKS, branch, acceleration) + product)
     tops = np.flatnonzero((size >= np.roll(size, 1)) & (size >= np.roll(size, -1)))

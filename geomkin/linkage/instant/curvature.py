@@ -130,12 +130,8 @@ def path_curvature(motion: Motion, body: str, local: ComplexOrArray) -> PathCurv
     if body not in motion.bodies:
         raise DesignError("body", f"found {body!r}", f"give one of {', '.join(motion.bodies)}", "unknown-key")
     if np.shape(local) not in ((), motion.assembled.shape):
-        raise DesignError(
-            "local",
-            f"found shape {np.shape(local)}",
-            f"give one point, or {motion.assembled.shape} of them",
-            "wrong-type",
-        )
+        problem = f"found shape {np.shape(local)}"
+        raise DesignError("local", problem, f"give one point, or {motion.assembled.shape} of them", "wrong-type")
     carrier, local = _guided(motion, body, local)
     moved, ground = motion.bodies[carrier], motion.linkage.ground
     position = moved.point(local).position

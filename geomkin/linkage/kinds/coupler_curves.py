@@ -28,9 +28,8 @@ from ..drive_limits import driver_limits
 from ..motion import Motion
 from ..moving import move
 from ..named_linkages import FourBar, SliderCrank
-from ..parts.engraved import PlateStock, engraved, skeleton, strokes
 from ..parts.stack import Stack, link_parts, stack_links
-from ..parts.stock import LinkStock
+from ..parts.stock import LinkStock, PlateStock, engraved, skeleton, strokes
 from ..scene import linkage_scene, place_plot
 from ..scene_handles import body_point
 from .moved import AbstractMovedRecipe, JointAdditions, Side
@@ -62,12 +61,8 @@ class Grid:
     def __post_init__(self) -> None:
         for row, column in self.chosen:
             if not (1 <= row <= self.rows and 1 <= column <= self.columns):
-                raise DesignError(
-                    "chosen",
-                    f"found [{row}, {column}]",
-                    f"give rows from 1 to {self.rows}, columns from 1 to {self.columns}",
-                    "out-of-range",
-                )
+                remedy = f"give rows from 1 to {self.rows}, columns from 1 to {self.columns}"
+                raise DesignError("chosen", f"found [{row}, {column}]", remedy, "out-of-range")
 
     @cached_property
     def points(self) -> Complex:
@@ -222,13 +217,7 @@ class CognatesRecipe(AbstractMovedRecipe):
 
     def _moved(self, drive: Real) -> tuple[Motion, ...]:
         return tuple(
-            move(
-                c.linkage,
-                drive + c.drive_offset,
-                self.branch * c.branch,
-                self.drive.speed,
-                self.drive.acceleration,
-            )
+            move(c.linkage, drive + c.drive_offset, self.branch * c.branch, self.drive.speed, self.drive.acceleration)
             for c in cognates(self.linkage)
         )
 

@@ -1,16 +1,18 @@
-"""Recipes of a body's instantaneous motion: its inflection circle at one position, its two centrodes."""
+"""Recipes of a body's instantaneous motion in a linkage of any kind: its inflection circle, its two centrodes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import field, fields, make_dataclass, replace
 from functools import cached_property
 from itertools import combinations
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, get_type_hints
 
 import numpy as np
 
-from ...core.errors import DesignError
+from ...core.arguments import ArgumentType
+from ...core.errors import DesignError, shown
+from ...core.field_visitor import WrittenForm
 from ...core.fields import FARTHEST, ComplexPoint, entry, quantity
 from ...core.records import record
 from ...core.units import marked, mm
@@ -21,21 +23,128 @@ from ...model.table import Column, Table, finite, xy_columns
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Arc, Circle, Segment
 from ...recipe.settings import Files, Stroke, Turn
-from ..assembly_failures import assembly_failure
-from ..checks import LARGEST_DRAWN, reached
+from ..checks import LARGEST_DRAWN, assembly_failure, reached
 from ..coupler_curve import CouplerCurve
 from ..instant.centres import pin_between, slider_between
 from ..instant.centrodes import CentrodeCurve, Centrodes
 from ..instant.curvature import path_curvature
 from ..instant.inflection import inflection_circle
-from ..linkage import AbstractLinkage
-from ..motion import Motion, is_translating
+from ..linkage import LINKAGES, AbstractLinkage
+from ..motion import Motion, is_translating, on_ground
 from ..moving import move
-from ..parts.engraved import PlateStock, arrow, engraved, skeleton
+from ..named_linkages import FourBar, SliderCrank
+from ..parts.stock import PlateStock, arrow, engraved, skeleton
 from ..scene_handles import body_point
 from ..scene_instants import centrodes_scene, inflection_scene
-from .any_linkage import EXAMPLE, AbstractBodyRecipe, AnyKind
-from .moved import Branches, SideOrFollow, branch_entry, branches_entry
+from . import linkage_kinds
+from .moved import AbstractMovedRecipe, Branches, SideOrFollow, branch_entry, branches_entry
+
+# The kinds that such a table may have. A scotch yoke has no body that turns and is not on a ground pivot.
+OF = (
+    linkage_kinds.FourBarRecipe,
+    linkage_kinds.SliderCrankRecipe,
+    linkage_kinds.InvertedSliderCrankRecipe,
+    linkage_kinds.StephensonSixBarRecipe,
+    linkage_kinds.WattSixBarRecipe,
+    linkage_kinds.ShaperRecipe,
+    linkage_kinds.EllipticTrammelRecipe,
+    linkage_kinds.OldhamCouplingRecipe,
+    linkage_kinds.LinkageRecipe,
+)
+PLAIN: dict[str, type[AbstractLinkage]] = {recipe.kind: get_type_hints(recipe)["linkage"] for recipe in OF}
+DEFAULT_KIND = linkage_kinds.FourBarRecipe.kind
+for _kind, _plain in PLAIN.items():
+    _own = [("kind", Literal[_kind], field(default=_kind))]
+    _about = {"__doc__": _plain.__doc__, "__module__": __name__}
+    LINKAGES[_kind] = make_dataclass(
+        f"{_plain.__name__}Table", _own, bases=(_plain,), namespace=_about, frozen=True, kw_only=True, repr=False
+    )
+
+
+def with_kind(linkage: AbstractLinkage) -> AbstractLinkage:
+    """The linkage as the table of a recipe, which has its `kind`."""
+    kind = next(kind for kind, plain in PLAIN.items() if isinstance(linkage, plain))
+    return LINKAGES[kind](**_values(linkage, PLAIN[kind]))
+
+
+def without_kind(table: AbstractLinkage) -> AbstractLinkage:
+    """The linkage of a table, as the library has it."""
+    plain = type(table).__mro__[1]
+    return plain(**_values(table, plain))  # type: ignore[no-any-return]
+
+
+def _values(linkage: AbstractLinkage, plain: type[Any]) -> dict[str, Any]:
+    return {f.name: getattr(linkage, f.name) for f in fields(plain)}
+
+
+class AnyKind(ArgumentType, WrittenForm):
+    """Marks a linkage of any kind in `LINKAGES`; in a recipe a table with its `kind`, in Python the linkage itself."""
+
+    def __init__(self) -> None:
+        def fits(value: Any) -> bool:
+            return any(isinstance(value, plain) and not value.linkage.is_batch for plain in PLAIN.values())
+
+        super().__init__(fits, f"one linkage: {', '.join(plain.__name__ for plain in PLAIN.values())}")
+
+    def read(self, given: Any, folder: Any) -> Any:
+        return {"kind": DEFAULT_KIND, **given} if isinstance(given, dict) else given
+
+    def finished(self, value: Any) -> Any:
+        return without_kind(value)
+
+    def written(self, value: Any, write: Callable[[Any], Any]) -> Any:
+        return {"kind": "", **write(with_kind(value))}
+
+    def schema(self, of_type: dict[str, Any]) -> dict[str, Any]:
+        for choice in of_type["allOf"]:
+            if choice["if"]["properties"]["kind"]["const"] == DEFAULT_KIND:
+                choice["if"]["required"] = []
+        return of_type | {"required": []}
+
+
+# The example in templates.
+EXAMPLE = with_kind(FourBar(100, 30, 90, 70, 40 + 25j))
+
+
+class AbstractBodyRecipe(AbstractMovedRecipe):
+    """Base class of recipes about the motion of one body of any linkage."""
+
+    body: str
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        general = self.linkage.linkage
+        moving = [name for name in general.bodies if name != general.ground]
+        if self.body not in moving:
+            raise DesignError("body", f"found {shown(self.body)}", f"give one of {', '.join(moving)}", "unknown-key")
+
+    @property
+    def drive_column(self) -> Column:
+        """First column of the table."""
+        if self.stroke:
+            return Column("drive_place", "mm", "displacement of the driver along its line", self.motion.drive)
+        words = "angle of the driver from the ground line"
+        return Column("drive_angle", "deg", words, np.degrees(self.motion.drive))
+
+    @property
+    def what(self) -> str:
+        """Name of the driver's range, for the check that it is reached."""
+        return f"driver's {'stroke' if self.stroke else 'turn'}"
+
+    @classmethod
+    def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
+        if "stroke" in tables:
+            slider_crank = SliderCrank(30, 40, coupler_point=20 + 15j, driver="slider")
+            return {"linkage": with_kind(slider_crank), "stroke": Stroke(start=50, end=68)}
+        if "linkage" not in tables:
+            return {}
+        from ...recipe.template import example
+
+        linkage: AbstractLinkage = example(LINKAGES[tables["linkage"]])
+        general = linkage.linkage
+        free = [name for name in general.bodies if name not in {*on_ground(general), general.ground}]
+        return {"linkage": linkage, "body": "coupler" if "coupler" in general.bodies else free[0]}
+
 
 # Range of the drawn path on each side of the position: rad of the driver, or a share of its stroke.
 NEAR, NEAR_OF_STROKE = np.pi / 4, 0.25
@@ -57,19 +166,12 @@ class InflectionCircleRecipe(AbstractBodyRecipe):
         default=None,
     )
     position_deg: float | None = quantity(
-        "driver's angle that is drawn; by default 15",
-        "deg",
-        default=None,
-        at_least=-360,
-        at_most=360,
+        "driver's angle that is drawn; by default 15", "deg", default=None, at_least=-360, at_most=360
     )
     position_mm: float | None = quantity(
-        "driver's displacement that is drawn, if a slide drives; by default the middle of its stroke",
-        "mm",
-        default=None,
-        at_least=-FARTHEST,
-        at_most=FARTHEST,
-    )
+        "driver's displacement that is drawn, if a slide drives; by default the middle of its stroke", "mm",
+        default=None, at_least=-FARTHEST, at_most=FARTHEST,
+    )  # fmt: skip
     branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
     drive: Turn = entry("how the driver turns, for the table", default=Turn())
@@ -216,12 +318,9 @@ class CentrodesRecipe(AbstractBodyRecipe):
     branch: SideOrFollow = branch_entry()
     branches: Branches = branches_entry()
     reach: float = quantity(
-        "largest distance from the body's origin (of a coupler its crank pin) to which the centrodes are drawn",
-        "mm",
-        default=200.0,
-        above=0,
-        at_most=10_000,
-    )
+        "largest distance from the body's origin (of a coupler its crank pin) to which the centrodes are drawn", "mm",
+        default=200.0, above=0, at_most=10_000,
+    )  # fmt: skip
     drive: Turn = entry("how the driver turns", default=Turn())
     stroke: Stroke | None = entry("how the driver slides, if a slide drives", default=None)
     stock: PlateStock = entry("the plates", default=PlateStock())

@@ -32,18 +32,26 @@ from ..joints.slide import are_equal
 from ..linkage import AbstractLinkage
 from ..measures import steady_bodies
 from ..motion import motion_table
-from ..parts.counterweight_plates import RoundEnd
-from ..parts.flywheel import Flywheel
 from ..parts.gears import gear_pair
 from ..parts.layers import passed_attachments
+from ..parts.rotating_masses import Flywheel, RoundEnd
 from ..parts.stack import MOTOR_PLATE
 from ..parts.stock import LinkStock
 from ..scene import linkage_scene, motion_plots
 from ..scene_handles import size_columns, size_plot
-from .aspects import BothModesAspect, CopiesAspect, DwellAspect, other_mode_scene
-from .components import ComponentsAspect
+from .aspects import (
+    BothModesAspect,
+    ComponentsAspect,
+    CopiesAspect,
+    DwellAspect,
+    DwellBand,
+    StraightLineAspect,
+    StraightLineTable,
+    moving_points,
+    other_mode_scene,
+    straight_line_entry,
+)
 from .copies import Copy, copies_entry, is_whole_turn
-from .dwell_bands import DwellBand
 from .loaded import LoadsAspect
 from .loads import LoadsTable, loads_entry
 from .made import DrivenLinkage, MadeLinkage
@@ -60,7 +68,6 @@ from .moved import (
     components_entry,
 )
 from .stance import StandingAspect, check_foot, standing_of
-from .straight_lines import StraightLineAspect, StraightLineTable, moving_points, straight_line_entry
 from .tolerances import TolerancesAspect, TolerancesTable, tolerances_entry
 
 

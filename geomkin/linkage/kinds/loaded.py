@@ -12,7 +12,7 @@ from ...core.errors import DesignError
 from ...core.fields import to_digits, to_digits_or_none
 from ...core.records import record
 from ...core.units import mm, rounded_down
-from ...making.actuators import ActuatorDuty
+from ...making.attachments import ActuatorDuty
 from ...making.motors import (
     motor_check,
     motor_summary,
@@ -29,17 +29,14 @@ from ...recipe.recipe import part_masses
 from ..checks import in_driver_unit
 from ..dynamics.inverse import WATT
 from ..linkage import Linkage
-from ..parts.counterweight_plates import RoundEnd
-from ..parts.flywheel import Flywheel, flywheel_of
+from ..parts.rotating_masses import Flywheel, RoundEnd, flywheel_of
 from ..parts.strength import linkage_strength_checks
 from ..scene import vector_marks
 from .copies import is_whole_turn
-from .counterweights import ROUNDS, UNBALANCED, BalancedPlates, balanced_plates
-from .linkage_forces import EFFORT, AbstractLinkageForces
-from .loads import LoadsTable, number_of_columns
+from .linkage_forces import EFFORT, AbstractLinkageForces, ComparedMotor, compared_motor
+from .load_tables import ROUNDS, UNBALANCED, BalancedPlates, LinkageRun, balanced_plates, linkage_run
+from .loads import LoadsTable
 from .made import MadeLinkage
-from .motor_comparison import ComparedMotor, compared_motor
-from .runs import LinkageRun, linkage_run
 
 # Least share of the weight of its parts and its motor that the feet of a walker carry, %: the forces are estimates, and
 # nothing that is carried besides the parts is known; chosen here.
@@ -57,7 +54,8 @@ class LoadsAspect(AbstractLinkageForces):
     @property
     def most_columns(self) -> int:
         made = self.mechanism
-        return number_of_columns(self.linkage) + (2 + len(made.copies) if made.foot else 0)
+        forces = 13 + 3 * sum(joint.count for joint in self.linkage.joints)
+        return forces + (2 + len(made.copies) if made.foot else 0)
 
     def check(self) -> None:
         made, table = self.mechanism, self.given

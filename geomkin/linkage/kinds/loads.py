@@ -13,22 +13,19 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, Coordinate, PlaceOnBody, entry, quantity
 from ...core.records import record
-from ...making.actuators import ActuatorKey, actuator_entry
+from ...making.attachments import ActuatorKey, actuator_entry
 from ...making.motors import MotorKey, motor_entry
 from ...model.material import Mass
 from ...model.scene import SceneHandle, point_handle
 from ...recipe.aspect import ALONE, Setting
 from ...recipe.settings import BodyMass, Gravity, gravity_entry
-from ..dynamics.friction import PinFriction, SlideFriction
 from ..dynamics.inverse import ForceAnalysis, forces
 from ..dynamics.loads import DriveTable, Force, GasSpring, Loads, SlideForce, Spring, Torque, TorsionSpring
-from ..dynamics.wrenches import Wrenches, known_body, known_place
-from ..linkage import Linkage
+from ..dynamics.wrenches import PinFriction, SlideFriction, Wrenches, known_body, known_place
 from ..motion import Motion
 from ..parts.stock import LinkStock
 from ..scene_handles import body_point
-from .counterweights import CounterweightsTable
-from .runs import RunTable
+from .load_tables import CounterweightsTable, RunTable
 
 # Distance of the handle of a force of about 1 N from its point, as a share of the size of the linkage.
 ARROW = 0.05
@@ -351,11 +348,7 @@ class LoadsTable:
         return setting.of_world(1000 * complex(*self.gravity_m_per_s2))
 
     def forces_of(
-        self,
-        motion: Motion,
-        part_masses: Mapping[str, Mass],
-        setting: Setting = ALONE,
-        further: tuple[Force, ...] = (),
+        self, motion: Motion, part_masses: Mapping[str, Mass], setting: Setting = ALONE, further: tuple[Force, ...] = ()
     ) -> ForceAnalysis:
         """Driver effort and joint forces.
 
@@ -365,11 +358,7 @@ class LoadsTable:
         return forces(motion, self.loads_of(motion, part_masses, setting, further))
 
     def loads_of(
-        self,
-        motion: Motion,
-        part_masses: Mapping[str, Mass],
-        setting: Setting = ALONE,
-        further: tuple[Force, ...] = (),
+        self, motion: Motion, part_masses: Mapping[str, Mass], setting: Setting = ALONE, further: tuple[Force, ...] = ()
     ) -> Loads:
         """The loads as the library has them, as for `forces_of`."""
         self.check(motion)
@@ -390,8 +379,3 @@ def loads_entry() -> Any:
         "masses, gravity, forces, springs and friction; the table then has the driver effort and the joint forces",
         default=None,
     )
-
-
-def number_of_columns(linkage: Linkage) -> int:
-    """Number of columns that loads add to a table."""
-    return 13 + 3 * sum(joint.count for joint in linkage.joints)

@@ -11,9 +11,8 @@ import numpy as np
 from ...core.fields import to_digits
 from ...core.records import record
 from ...core.units import MM, LengthUnit
-from ...making.fasteners import gathered
+from ...making.fasteners import gathered, snap_checks
 from ...making.motors import MOTORS
-from ...making.snap_pins import snap_checks
 from ...model.check import Check
 from ...model.material import Mass
 from ...model.motor import Motor
@@ -24,19 +23,29 @@ from ...recipe.aspect import Setting
 from ...recipe.recipe import part_masses
 from ...recipe.settings import Stroke, Turn
 from ..drive_limits import driver_limits
-from ..instant.components import component_columns, number_of_components
+from ..instant.polygons import component_columns, number_of_components
 from ..linkage import AbstractLinkage
 from ..measures import swings
 from ..motion import Motion, motion_table
 from ..moving import move
-from ..parts.counterweight_plates import RoundEnd
-from ..parts.flywheel import Flywheel
-from ..parts.frame import frame_places, with_frame
+from ..parts.rotating_masses import Flywheel, RoundEnd
 from ..parts.stack import Stack, fastener_masses, link_parts
 from ..parts.stock import LinkStock
 from ..solve.branch import BranchSpec, as_branch_spec
-from .copies import Copied, Copy, Shared, copied, copying, counted, joint_bills, shared_rods, without_motor
-from .counterweights import stack_with_ends
+from .copies import (
+    Copied,
+    Copy,
+    Shared,
+    copied,
+    copying,
+    counted,
+    frame_places,
+    joint_bills,
+    shared_rods,
+    with_frame,
+    without_motor,
+)
+from .load_tables import stack_with_ends
 from .loads import CarriedMass
 
 # Largest number of dyads of a linkage whose other assembly mode is shown.

@@ -21,8 +21,7 @@ from ...plane.vec import Complex, Real
 from ...recipe.recipe import AbstractRecipe, Additions
 from ...recipe.settings import Stroke, Turn
 from ..joints.gear_mesh import GearMesh
-from ..joints.pin_in_slot import PinInSlot
-from ..joints.slide import Slider
+from ..joints.slide import PinInSlot, Slider
 from ..linkage import AbstractLinkage, Linkage
 from ..measures import motion_quantities
 from ..motion import Motion
@@ -289,12 +288,8 @@ def with_corners(
         whole.setdefault(corner.body, {})
         missing = [p for p in corner.base if p not in whole[corner.body]]
         if missing:
-            raise DesignError(
-                f"corners[{k}]",
-                f"{corner.body} has no point {missing[0]}",
-                f"give it under bodies.{corner.body}",
-                "unknown-key",
-            )
+            problem = f"{corner.body} has no point {missing[0]}"
+            raise DesignError(f"corners[{k}]", problem, f"give it under bodies.{corner.body}", "unknown-key")
         whole[corner.body][corner.point] = _corner(k, corner, *(whole[corner.body][p] for p in corner.base))
     return whole
 
@@ -368,11 +363,7 @@ WITH_SLIDER = BodyList(
     sliders=(SliderTable("slide", "block", "ground"),),
 )
 WITH_SLOT = BodyList(
-    bodies={
-        "ground": {"O": 0j, "C": -80j},
-        "crank": {"O": 0j, "A": 30 + 0j},
-        "lever": {"C": 0j, "tip": 160 + 0j},
-    },
+    bodies={"ground": {"O": 0j, "C": -80j}, "crank": {"O": 0j, "A": 30 + 0j}, "lever": {"C": 0j, "tip": 160 + 0j}},
     driver="crank",
     slots=(PinInSlot("slot", "crank", "A", "lever"),),
 )

@@ -50,29 +50,20 @@ class TolerancesTable:
         "the output: a point such as coupler_point, or a column such as rocker_angle", example="transmission_angle"
     )
     tolerance: float = quantity(
-        "tolerance of every length: from its value minus to its value plus this",
-        "mm",
-        default=0.1,
-        at_least=0,
+        "tolerance of every length: from its value minus to its value plus this", "mm", default=0.1, at_least=0,
         at_most=FARTHEST,
-    )
+    )  # fmt: skip
     lengths: dict[str, Annotated[float, between(0, FARTHEST, "mm")]] = entry(
         "tolerances of single lengths in place of that, such as crank = 0.05", default_factory=dict, units=("mm",)
     )
     clearance: float | None = quantity(
         "by how much the holes are wider than their pins; by default the stock's clearance, or the largest by pin_fit",
-        "mm",
-        default=None,
-        at_least=0,
-        at_most=FARTHEST,
-    )
+        "mm", default=None, at_least=0, at_most=FARTHEST,
+    )  # fmt: skip
     limit: float | None = quantity(
         "largest deviation of the output that passes, in the unit of its column; by default there is no limit",
-        default=None,
-        above=0,
-        at_most=FARTHEST,
-        example=2,
-    )
+        default=None, above=0, at_most=FARTHEST, example=2,
+    )  # fmt: skip
     linkages: int = quantity(
         "number of random linkages that are compared; 0 for none", default=1000, at_least=0, at_most=100_000, whole=True
     )

@@ -167,12 +167,9 @@ def meeting(motion: Motion, pairs: Sequence[Pair]) -> Mask:
     """
     frames, distances = len(motion.drive), sum(len(pair.corners) * len(pair.places) for pair in pairs)
     if distances * frames > MOST:
-        raise DesignError(
-            "motion",
-            f"found {frames} frames, and in each {distances} distances of the plates' corners",
-            f"give at most {MOST // distances} frames, or fewer points",
-            "too-much-work",
-        )
+        problem = f"found {frames} frames, and in each {distances} distances of the plates' corners"
+        remedy = f"give at most {MOST // distances} frames, or fewer points"
+        raise DesignError("motion", problem, remedy, "too-much-work")
     poses, met = PosesOverFrames(motion), np.zeros(len(pairs), dtype=bool)
     by_shape: dict[tuple[int, int], list[int]] = {}
     for number, pair in enumerate(pairs):

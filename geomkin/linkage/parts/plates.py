@@ -19,7 +19,7 @@ from ...plane.curve import AbstractCurve
 from ...plane.measure import separation
 from ...plane.primitives import Circle, Polyline, convex_hull, rounded_hull, slot
 from ...plane.vec import Complex, Mask, cross, spaced_directions
-from ..assembly_failures import assembly_error
+from ..checks import assembly_error
 from ..dynamics.wrenches import known_place
 from ..joints.joint import AbstractJoint
 from ..joints.slide import Slider, are_equal
@@ -133,12 +133,8 @@ def seats(linkage: Linkage, axes: Mapping[str, Mapping[str, complex]], stock: Li
     if shaft is None or stock.motor is None:
         return {}
     if pivot is None:
-        raise DesignError(
-            "stock.motor",
-            f"found {stock.motor}, but {linkage.driver}, which drives, turns on no pin of the {linkage.ground}",
-            "drive a crank on the ground, or omit the motor",
-            "conflict",
-        )
+        problem = f"found {stock.motor}, but {linkage.driver}, which drives, turns on no pin of the {linkage.ground}"
+        raise DesignError("stock.motor", problem, "drive a crank on the ground, or omit the motor", "conflict")
     crank, ground = linkage.driver, linkage.ground
     on_crank = linkage.bodies[crank]
     # Coincident points have one joint, at the position of the first.
@@ -159,12 +155,8 @@ def seats(linkage: Linkage, axes: Mapping[str, Mapping[str, complex]], stock: Li
             bores = tuple(_moved(hole, place) for hole in shaft.hole(away / abs(away), stock.bar_width, "stock"))
             seats_by_body[body] = Seat(name, bores, shaft.fits, np.array([place]), (shaft.bore + shaft.play) / 2)
         else:
-            raise DesignError(
-                "stock.motor",
-                f"found {stock.motor}, on whose shaft the {body} would turn as well",
-                "give it a separate pin, or omit motor",
-                "conflict",
-            )
+            problem = f"found {stock.motor}, on whose shaft the {body} would turn as well"
+            raise DesignError("stock.motor", problem, "give it a separate pin, or omit motor", "conflict")
     return seats_by_body
 
 
@@ -504,11 +496,8 @@ def _guide_pins(motion: Motion, slider: Slider, plates: Mapping[str, LinkPlate],
         guide.taken,
     )
     if guide_pins is None:
-        raise DesignError(
-            "bar_width",
-            f"the {slider.along} has no room on the slide line for the guide pins of the {slider.body}",
-            "give narrower bars, or move the pins that lie on the line",
-        )
+        problem = f"the {slider.along} has no room on the slide line for the guide pins of the {slider.body}"
+        raise DesignError("bar_width", problem, "give narrower bars, or move the pins that lie on the line")
     pins = []
     for number, place, ends in zip((1, 2), *guide_pins):
         name = unused(f"{slider.name}_guide_{number}", opened(plates))

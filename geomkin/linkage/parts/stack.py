@@ -17,10 +17,9 @@ from ...core.records import record
 from ...core.units import Sentence, mm, sentences
 from ...making.assembly import Bill, glue_bill, shaft_bill
 from ...making.bores import fits_of
-from ...making.fasteners import Fastener, gathered
+from ...making.fasteners import Fastener, PinPlace, SnapPin, alike, gathered, pin_parts
 from ...making.materials import STEEL_DENSITY
 from ...making.motors import fixed_under
-from ...making.snap_pins import PinPlace, SnapPin, alike, pin_parts
 from ...model.material import Mass
 from ...model.part import Bought, Part
 from ...model.scene import layer_name
@@ -343,12 +342,8 @@ def stack_assembly(motion: Motion, stock: LinkStock, assembly: LinkAssembly) -> 
     """Arrange given plates as `stack_links` does."""
     meetings = Meetings(motion, stock, assembly)
     if (count := len({*meetings.layered.values()})) > LARGEST:
-        raise DesignError(
-            "bodies",
-            f"found {count} plates that move",
-            f"give at most {LARGEST}, or make it in pieces",
-            "too-much-work",
-        )
+        problem = f"found {count} plates that move"
+        raise DesignError("bodies", problem, f"give at most {LARGEST}, or make it in pieces", "too-much-work")
     if stock.fastener_used.form == "snap" and (slotted := next((pin for pin in assembly.pins if pin.slots), None)):
         problem = f"found snap, but pin {slotted.name} runs in a slot, in which flat pins turn and slip out"
         raise DesignError("printing.pins", problem, 'give "bought"', "conflict")

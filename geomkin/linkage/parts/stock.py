@@ -1,12 +1,16 @@
-"""The sheet that links are cut from, the pins that join them, and the motor that turns them."""
+"""The sheet that links are cut from, their pins and their motor; and sheets on which drawings are engraved."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
 from functools import cached_property
 from math import ceil
 from typing import Literal
 
+import numpy as np
+
+from ...core.arguments import checked
 from ...core.errors import DesignError
 from ...core.fields import FARTHEST, PlaceOnBody, check_sizes, entry, quantity
 from ...core.records import record
@@ -14,11 +18,14 @@ from ...core.units import mm
 from ...making.attachments import Attachment, attachments_entry
 from ...making.bores import AbstractBored, fit_entry, interference
 from ...making.bores import clearance as wider
-from ...making.fasteners import Fastener, ThreadDiameter, fastener_of
+from ...making.fasteners import Fastener, SnapPin, ThreadDiameter, fastener_of
 from ...making.materials import MaterialKey, material_entry
 from ...making.motors import MountedMotorKey, face_of, mounted_motor_entry
-from ...making.snap_pins import SnapPin
-from ...model.limits import Fit, IsoFit, fit_limits
+from ...model.part import Fit, IsoFit, Part, fit_limits
+from ...plane.curve import AbstractCurve
+from ...plane.primitives import Circle, Polyline, Segment, rounded_hull
+from ...plane.vec import Complex
+from ..motion import Motion
 
 # Largest number of plates between a motor and the ground. More would use up the length of most shafts.
 MOST_MOTOR_PLATES = 3
@@ -53,8 +60,7 @@ class LinkStock:
     )
     clearance: float = wider(0.2)
     pin_fit: IsoFit = entry(
-        'fit of the pins in their holes by ISO 286, such as "H7/g6", in place of the clearance',
-        default="",
+        'fit of the pins in their holes by ISO 286, such as "H7/g6", in place of the clearance', default=""
     )
     fastener: Literal["screw", "rod"] | None = entry(
         "screws with nuts, or rods cut flush; by default screws if the sheet carries those of pin_diameter",
@@ -92,11 +98,8 @@ class LinkStock:
         for k, attachment in enumerate(self.attachments):
             attachment.check(0j, self.clearance, f"attachments[{k}]")
         if self.bar_width <= self.hole_diameter:
-            raise DesignError(
-                "bar_width",
-                f"found {mm(self.bar_width):g}, but the pin holes are {mm(self.hole_diameter):g} wide",
-                "give wider bars or thinner pins",
-            )
+            problem = f"found {mm(self.bar_width):g}, but the pin holes are {mm(self.hole_diameter):g} wide"
+            raise DesignError("bar_width", problem, "give wider bars or thinner pins")
 
     @cached_property
     def fastener_used(self) -> Fastener:
@@ -154,11 +157,8 @@ class LinkStock:
             return
         face_of(self.motor).check_plate(self.thickness, "motor", 1 + MOST_MOTOR_PLATES)
         if self.bar_width <= (widest := shaft.bore + shaft.play):
-            raise DesignError(
-                "bar_width",
-                f"found {mm(self.bar_width):g}, but the hole for the motor's shaft is {mm(widest):g} wide",
-                "give wider bars, or omit motor",
-            )
+            problem = f"found {mm(self.bar_width):g}, but the hole for the motor's shaft is {mm(widest):g} wide"
+            raise DesignError("bar_width", problem, "give wider bars, or omit motor")
 
 
 @record(checked=True)
@@ -169,3 +169,118 @@ class SnapLinkStock(LinkStock):
     def fastener_used(self) -> Fastener:
         density = self.material.density if self.material and self.material.density else 0.0
         return SnapPin(self.pin_diameter, "snap", self.play, clearance=self.clearance, density=density)
+
+
+# Radius of the plate's corners and length of arrow heads, mm.
+CORNER = 3.0
+HEAD = 3.0
+# Length of a pose's y axis relative to its x axis.
+SHORTER = 0.5
+
+
+@record(checked=True)
+class PlateStock:
+    """The plate on which a drawing is engraved.
+
+    Parameters
+    ----------
+    thickness : float
+        Thickness of the sheet, mm; from 0.01 to 1000.
+    margin : float
+        Clear edge around the drawing, mm; from 3 to 1000.
+    pin_diameter : float
+        Diameter of the circles drawn for pins, mm; above 0.
+    """
+
+    thickness: float = quantity("thickness of the sheet", "mm", default=3.0, at_least=0.01, at_most=1000)
+    margin: float = quantity("clear edge around the drawing", "mm", default=8.0, at_least=3, at_most=1000)
+    pin_diameter: float = quantity("diameter of the circles drawn for pins", "mm", default=4.0, above=0, at_most=1000)
+
+
+@checked
+def engraved(name: str, marks: Sequence[AbstractCurve], stock: PlateStock = PlateStock()) -> Part:
+    """A plate that fits some marks and a margin, with the marks engraved; the coordinates of the drawing are kept.
+
+    Parameters
+    ----------
+    name : str
+        Name of the plate.
+    marks : sequence of AbstractCurve
+        Curves to engrave, mm.
+    stock : PlateStock
+        The plate.
+
+    Returns
+    -------
+    Part
+
+    Raises
+    ------
+    DesignError
+        If there are no marks; its field is the plate's name.
+
+    Notes
+    -----
+    Derived here.
+    """
+    curves = tuple(marks)
+    if not curves:
+        raise DesignError(
+            name, "there is nothing to draw", "give a position that the linkage reaches", "does-not-assemble"
+        )
+    # Sixteenths of each smooth piece locate its extremes to far less than the margin.
+    sampled = np.concatenate(
+        [curve.point(np.linspace(curve.breaks[:-1], curve.breaks[1:], 17).ravel()) for curve in curves]
+    )
+    room = stock.margin - CORNER
+    low = complex(sampled.real.min() - room, sampled.imag.min() - room)
+    high = complex(sampled.real.max() + room, sampled.imag.max() + room)
+    corners = [low, complex(high.real, low.imag), high, complex(low.real, high.imag)]
+    return Part(name, rounded_hull(corners, CORNER), (), stock.thickness, marks=curves)
+
+
+def skeleton(motion: Motion, frame: int, stock: PlateStock) -> list[AbstractCurve]:
+    """The linkage at a frame: each body as lines between its points, with circles at the pins."""
+    marks: list[AbstractCurve] = []
+    radius = stock.pin_diameter / 2
+    pins: dict[str, complex] = {}
+    for name, points in motion.linkage.bodies.items():
+        body = motion.bodies[name]
+        places = {p: complex(body.point(z).position[frame]) for p, z in points.items()}
+        pins |= {p: z for p, z in places.items() if p in motion.linkage.pins}
+        if name == motion.linkage.ground:
+            continue
+        # Coincident points would draw their lines twice.
+        corners = list(dict.fromkeys(places.values()))
+        joints = list(zip(corners[:-1], corners[1:])) + ([(corners[-1], corners[0])] if len(corners) > 2 else [])
+        marks += [line for a, b in joints for line in _between(a, b, radius)]
+    return marks + [Circle(z, radius) for z in pins.values()]
+
+
+def _between(a: complex, b: complex, radius: float) -> list[AbstractCurve]:
+    """The line between two circles, if they leave room for one."""
+    if abs(b - a) <= 2 * radius:
+        return []
+    offset = (b - a) / abs(b - a) * radius
+    return [Segment(a + offset, b - offset)]
+
+
+def pose_axes(poses: Iterable[tuple[complex, float]], length: float) -> list[AbstractCurve]:
+    """Poses, position in mm and angle in rad, as axes: x of `length`, mm, and a shorter y."""
+    x_axes = [(z, length * np.exp(1j * angle)) for z, angle in poses]
+    return [Polyline(np.array([z + axis, z, z + SHORTER * 1j * axis]), is_closed=False) for z, axis in x_axes]
+
+
+def arrow(tail: complex, tip: complex) -> list[AbstractCurve]:
+    """A vector as a line with a head; nothing if it is too short for the files."""
+    length = abs(tip - tail)
+    if length < 1e-3:
+        return []
+    head = min(HEAD, length / 3) * (tail - tip) / length
+    barbs = [tip + head * np.exp(1j * side * np.pi / 9) for side in (1, -1)]
+    return [Segment(tail, tip), Polyline(np.array([barbs[0], tip, barbs[1]]), is_closed=False)]
+
+
+def strokes(runs: Iterable[Complex]) -> list[AbstractCurve]:
+    """Runs of points as open polylines."""
+    return [Polyline(np.asarray(run), is_closed=False) for run in runs if len(run) > 1]

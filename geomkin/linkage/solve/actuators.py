@@ -15,9 +15,8 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.records import record
 from ...plane.vec import Complex, Real, Whole, cross, dot
-from .closing_roots import StrokeRoot, gap_of
 from .dyads import RRP, RRR
-from .input_dyads import DriverPoints, InputDyad
+from .input_dyads import DriverPoints, InputDyad, StrokeRoot, gap_of
 from .placement import Coefficients, Placement, Poses
 
 
@@ -61,11 +60,8 @@ class ActuatedRRR(InputDyad):
 
     def __post_init__(self) -> None:
         if np.any(self.constant == 0):
-            raise DesignError(
-                "bodies",
-                f"the actuator and the bar that meet in {self.joint} have the same fixed pivot, so nothing turns",
-                "move their other pins apart",
-            )
+            problem = f"the actuator and the bar that meet in {self.joint} have the same fixed pivot, so nothing turns"
+            raise DesignError("bodies", problem, "move their other pins apart")
 
     @property
     def leader(self) -> str:

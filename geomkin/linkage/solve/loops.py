@@ -44,19 +44,17 @@ class Loops(Placement):
         rows, columns = self.equations.rows, len(self.equations.columns)
         # Never more: the mobility of the whole linkage is right, and the placed bodies have all the joints they need.
         if rows < columns:
-            raise DesignError(
-                "bodies",
-                f"{', '.join(self.waiting)} have {rows} conditions for {columns} degrees of freedom: under-constrained",
-                "join them to more bodies, and remove as many joints elsewhere",
+            problem = (
+                f"{', '.join(self.waiting)} have {rows} conditions for {columns} degrees of freedom: under-constrained"
             )
+            raise DesignError("bodies", problem, "join them to more bodies, and remove as many joints elsewhere")
         missing = [pin for pin in self._waiting_pins if pin not in self.linkage.estimate]
         if missing:
-            raise DesignError(
-                "estimate",
-                f"{', '.join(self.waiting)} are not a chain of dyads and need a start; missing: {', '.join(missing)}",
-                "give the approximate position of each of these pins with the driver at its first position",
-                "missing-key",
+            problem = (
+                f"{', '.join(self.waiting)} are not a chain of dyads and need a start; missing: {', '.join(missing)}"
             )
+            remedy = "give the approximate position of each of these pins with the driver at its first position"
+            raise DesignError("estimate", problem, remedy, "missing-key")
 
     def __getstate__(self) -> dict[str, object]:
         # A trace holds functions, which cannot be pickled.
@@ -83,12 +81,9 @@ class Loops(Placement):
         if len(q):
             distance = float(np.abs(q - q[0]).max())
             if distance > FARTHEST * self._unit:
-                raise DesignError(
-                    "drive",
-                    f"goes {distance:.6g} from its first value in a linkage that is not a chain of dyads",
-                    f"give drives within {FARTHEST * self._unit:.6g} of the first",
-                    "out-of-range",
-                )
+                problem = f"goes {distance:.6g} from its first value in a linkage that is not a chain of dyads"
+                remedy = f"give drives within {FARTHEST * self._unit:.6g} of the first"
+                raise DesignError("drive", problem, remedy, "out-of-range")
             trace = self._trace(p0, state)
             if trace is not None:
                 unknowns = trace.at(q / self._unit)

@@ -18,12 +18,21 @@ from ...core.records import record
 from ...plane.vec import Array, Complex, Real
 from ..joints.joint import Joint
 from ..linkage import Linkage
-from ..timing import Timing
 from .branch import BranchSpec
 from .dyads import Crossed, Dyad, JointLines
 from .loops import Loops
-from .placement import Coefficients, Placement, Poses
-from .recording import Recording, Symbol, compensated_sum, imag_part, paired, real_part
+from .placement import (
+    Coefficients,
+    Placement,
+    Poses,
+    Recording,
+    Symbol,
+    Timing,
+    compensated_sum,
+    imag_part,
+    paired,
+    real_part,
+)
 
 # Frames times linkages that go through a program at once. With more, intermediate values leave the processor's cache;
 # with fewer, calling the operations takes longer than the operations.

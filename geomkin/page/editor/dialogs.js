@@ -1,8 +1,10 @@
 // Dialogs of the editor: the gallery of recipes and kinds, and the name under which a recipe is saved; drafts and links.
+import { narrow } from "../player/search.js";
 import { make } from "../player/shapes.js";
 import { get, post } from "./server.js";
 
 const at = (id) => document.getElementById(id);
+const isStill = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 // Returns a function that loads an image when it comes into view. Only one is loaded at a time, because the server draws it.
 function loader(root) {
@@ -22,7 +24,7 @@ function loader(root) {
   }, { root });
   const done = () => { busy = false; next(); };
   return (image) => {
-    image.addEventListener("load", done);
+    image.addEventListener("load", done, { once: true });
     // The server has no picture of a kind that needs a search.
     image.addEventListener("error", () => { image.remove(); done(); });
     observer.observe(image);
@@ -34,11 +36,10 @@ function loader(root) {
 export async function showGallery(editor, isJoined = false) {
   const dialog = at("gallery-dialog"), { kinds, recipes } = await get("gallery"), load = loader(dialog);
   const card = (list, picture, name, about, words, act) => {
-    const button = make(make(list, "li"), "button", { type: "button", class: "card" });
-    if (picture) load(make(button, "img", { alt: "", "data-address": picture }));
+    const button = make(make(list, "li", { "data-words": `${name} ${words} ${about}` }), "button", { type: "button", class: "card" });
+    if (picture) addPicture(button, picture, load);
     make(button, "b", {}, name);
     if (about) make(button, "span", {}, about);
-    button.dataset.words = `${name} ${words} ${about}`.toLowerCase();
     button.addEventListener("click", () => { dialog.close(); Promise.resolve(act()).catch((error) => editor.announce(error.message)); });
   };
   for (const id of ["by-hand", "folder", "kinds", "examples"]) at(id).replaceChildren();
@@ -46,7 +47,8 @@ export async function showGallery(editor, isJoined = false) {
   if (!isJoined) card(at("by-hand"), "", "empty linkage", "built by clicks: pivots, bars, plates, dyads, slides", "build draw empty new linkage", () => editor.startEmpty());
   const search = at("search");
   search.value = "";
-  search.oninput = () => narrow(dialog, search.value);
+  const find = () => narrow(dialog, search.value, ".cards, #kinds", at("no-match"));
+  search.oninput = find;
   const drafts = isJoined ? [] : draftsOf(editor.folder);
   at("drafts-title").hidden = !drafts.length;
   at("drafts").replaceChildren();
@@ -63,54 +65,57 @@ export async function showGallery(editor, isJoined = false) {
     act("Discard", () => { forget(draft.id); item.remove(); });
   }
   at("folder-title").hidden = !recipes.length;
-  for (const { name, kind, title } of recipes) card(at("folder"), `picture?recipe=${encodeURIComponent(name)}`, name, title, kind, () => (isJoined ? editor.joinTo({ recipe: name }) : editor.open(name)));
+  const opened = kept(OPENED).filter(({ folder }) => folder === editor.folder).map(({ recipe }) => recipe);
+  const order = ({ name }) => (opened.includes(name) ? opened.indexOf(name) : opened.length);
+  at("folder-title").textContent = opened.length ? "In this folder, the last opened first" : "In this folder";
+  for (const { name, kind, title, words } of [...recipes].sort((a, b) => order(a) - order(b))) card(at("folder"), `picture?recipe=${encodeURIComponent(name)}`, name, title, `${kind} ${words}`, () => (isJoined ? editor.joinTo({ recipe: name }) : editor.open(name)));
   for (const group of new Set(kinds.map((kind) => kind.group))) {
     make(at("kinds"), "h4", {}, group);
     const list = make(at("kinds"), "ul", { class: "cards" });
-    for (const { kind, about } of kinds.filter((other) => other.group === group)) {
-      card(list, `picture?kind=${encodeURIComponent(kind)}`, kind, about, group, () => (isJoined ? editor.joinTo({ kind }) : editor.startNew(kind)));
+    for (const { kind, about, words } of kinds.filter((other) => other.group === group)) {
+      card(list, `picture?kind=${encodeURIComponent(kind)}`, kind, about, `${group} ${words}`, () => (isJoined ? editor.joinTo({ kind }) : editor.startNew(kind)));
     }
   }
-  narrow(dialog, "");
+  find();
   dialog.showModal();
   // A mechanism that is joined is a file of the folder, or of a kind.
   const { examples } = isJoined ? { examples: [] } : await get("examples");
   at("examples").replaceChildren();
-  for (const { name, kind, title } of examples) card(at("examples"), `picture?example=${encodeURIComponent(name)}`, name, title, kind, () => editor.startNew(kind, name));
-  narrow(dialog, search.value);
+  for (const { name, kind, title, words } of examples) card(at("examples"), `picture?example=${encodeURIComponent(name)}`, name, title, `${kind} ${words}`, () => editor.startNew(kind, name));
+  find();
 }
 
-// Shows the cards that have all words, and the headings of lists that are not empty.
-function narrow(dialog, text) {
-  const wanted = text.toLowerCase().split(/\s+/).filter(Boolean);
-  let count = 0;
-  for (const card of dialog.querySelectorAll(".card")) {
-    card.parentNode.hidden = !wanted.every((word) => card.dataset.words.includes(word));
-    count += !card.parentNode.hidden;
-  }
-  for (const list of dialog.querySelectorAll(".cards, #kinds")) list.previousElementSibling.hidden = !list.querySelector("li:not([hidden])");
-  at("no-match").hidden = count > 0;
+// Adds a picture that moves while the pointer or the focus is on its card; under a finger it moves as long as it is seen.
+function addPicture(button, address, load) {
+  const moving = `${address}&moving=1`, isTouched = matchMedia("(hover: none)").matches;
+  const image = make(button, "img", { alt: "", "data-address": isTouched && !isStill() ? moving : address });
+  load(image);
+  for (const event of ["pointerenter", "focus"]) button.addEventListener(event, () => { if (image.src && !isStill()) image.src = moving; });
+  for (const event of ["pointerleave", "blur"]) button.addEventListener(event, () => { if (image.src && !isTouched) image.src = image.dataset.address; });
 }
 
 // --- texts that were not saved: the browser keeps the last ones, also those of pages that were closed -----------------
 
-const DRAFTS = "geomkin-drafts", MOST_DRAFTS = 12;
+const DRAFTS = ["geomkin-drafts", 12], OPENED = ["geomkin-opened", 100];
 
-function changeDrafts(change) {
+// A list that the browser keeps, after a change; none if it keeps nothing, for example in a private window.
+function kept([key, most], change = (all) => all) {
   try {
-    localStorage.setItem(DRAFTS, JSON.stringify(change(JSON.parse(localStorage.getItem(DRAFTS) ?? "[]")).slice(0, MOST_DRAFTS)));
-  } catch { /* A browser may keep nothing, for example in a private window. */ }
+    const list = change(JSON.parse(localStorage.getItem(key) ?? "[]")).slice(0, most);
+    localStorage.setItem(key, JSON.stringify(list));
+    return list;
+  } catch { return []; }
 }
 
 // The drafts of a folder, the newest first: { id, folder, recipe, kind, text, base }.
-export function draftsOf(folder) {
-  let drafts = [];
-  changeDrafts((all) => { drafts = all.filter((draft) => draft.folder === folder); return all; });
-  return drafts;
-}
+export const draftsOf = (folder) => kept(DRAFTS).filter((draft) => draft.folder === folder);
+export const forget = (id) => kept(DRAFTS, (all) => all.filter((draft) => draft.id !== id));
+export const keep = (draft) => kept(DRAFTS, (all) => [draft, ...all.filter(({ id }) => id !== draft.id)]);
 
-export const forget = (id) => changeDrafts((all) => all.filter((draft) => draft.id !== id));
-export const keep = (draft) => changeDrafts((all) => [draft, ...all.filter(({ id }) => id !== draft.id)]);
+// Remembers that a recipe of a folder was opened.
+export function remember(folder, recipe) {
+  kept(OPENED, (all) => [{ folder, recipe }, ...all.filter((other) => other.folder !== folder || other.recipe !== recipe)]);
+}
 
 // Asks for a name and resolves to it, without `.toml`; to "" if the user cancels.
 export function chooseName(name) {

@@ -17,27 +17,34 @@ export class Dimensions {
   }
 
   open(shape, dimension) {
-    const { drawing } = this, [unit] = drawing.data.unit ?? ["mm"], stage = drawing.svg.parentNode;
-    const [box, around] = [shape, stage].map((element) => element.getBoundingClientRect());
-    const field = make(stage, "input", { class: "length", type: "text", spellcheck: "false", "aria-label": `Length, ${unit}`, value: shape.textContent });
-    Object.assign(field.style, { left: `${px(box.left - around.left + box.width / 2)}px`, top: `${px(box.top - around.top + box.height / 2)}px` });
-    const before = field.value;
-    let isOpen = true;
-    const close = (isTaken) => {
-      if (!isOpen) return;
-      isOpen = false;
-      const { value } = field, length = amount(value, unit);
-      field.remove();
-      if (!isTaken || value === before) return;
-      if (length > 0) this.editor.setLength(dimension, length);
-      else this.editor.announce("This is no length; type one, such as 12.5, 2*15 or 1/4 in");
-    };
-    field.addEventListener("keydown", (event) => {
-      event.stopPropagation();
-      if (event.key === "Enter" || event.key === "Escape") close(event.key === "Enter");
+    const { drawing, editor } = this, [box, around] = [shape, drawing.svg.parentNode].map((element) => element.getBoundingClientRect());
+    const at = [box.left - around.left + box.width / 2, box.top - around.top + box.height / 2];
+    lengthField(drawing, at, shape.textContent, (length, isChanged) => {
+      if (!isChanged) return;
+      if (length > 0) editor.setLength(dimension, length);
+      else editor.announce("This is no length; type one, such as 12.5, 2*15 or 1/4 in");
     });
-    field.addEventListener("blur", () => close(true));
-    field.focus();
-    field.select();
   }
+}
+
+// A field at a place of the stage, px, for a length in the unit of the drawing. take(length, isChanged) is called once; the length
+// is undefined if what is typed is none, or after Escape.
+export function lengthField(drawing, [x, y], value, take) {
+  const [unit] = drawing.data.unit ?? ["mm"];
+  const field = make(drawing.svg.parentNode, "input", { class: "length", type: "text", spellcheck: "false", "aria-label": `Length, ${unit}`, value });
+  Object.assign(field.style, { left: `${px(x)}px`, top: `${px(y)}px` });
+  let isOpen = true;
+  const close = (isTaken) => {
+    if (!isOpen) return;
+    isOpen = false;
+    field.remove();
+    take(isTaken ? amount(field.value, unit) : undefined, isTaken && field.value !== value);
+  };
+  field.addEventListener("keydown", (event) => {
+    event.stopPropagation();
+    if (event.key === "Enter" || event.key === "Escape") close(event.key === "Enter");
+  });
+  field.addEventListener("blur", () => close(true));
+  field.focus();
+  field.select();
 }

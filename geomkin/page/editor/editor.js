@@ -4,7 +4,7 @@ import { make } from "../player/shapes.js";
 import { mount } from "../player/player.js";
 import { read } from "../player/plots.js";
 import { mountRows, showRows } from "../player/rows.js";
-import { chooseName, draftsOf, forget, keep, python, showGallery } from "./dialogs.js";
+import { chooseName, draftsOf, forget, keep, python, remember, showGallery } from "./dialogs.js";
 import { Dimensions } from "./dimensions.js";
 import { Form } from "./form.js";
 import { Ghost } from "./ghost.js";
@@ -103,9 +103,16 @@ class Editor {
     document.body.classList.toggle("building", isShown);
     if (!isShown) this.tools.choose("move");
     if (!this.player) return;
-    const [drawing] = this.player.drawings, [left, low, right, high] = drawing.bounds, free = ROOM * Math.max(right - left, high - low);
-    drawing.room = isShown ? [left - free, low - free, right + free, high + free] : null;
     this.fold("plots", isShown);
+    this.makeRoom();
+  }
+
+  // Shows the drawing with room around it while it is built, and with the picture under it.
+  makeRoom() {
+    const [drawing] = this.player.drawings, [left, low, right, high] = drawing.bounds, free = ROOM * Math.max(right - left, high - low);
+    const boxes = [...at("tools").hidden ? [] : [[left - free, low - free, right + free, high + free]], this.tools.own.photo.box].filter(Boolean);
+    drawing.room = boxes.length ? [0, 1, 2, 3].map((k) => Math[k < 2 ? "min" : "max"](...boxes.map((box) => box[k]))) : null;
+    this.player.fit(true);
   }
 
   // --- changes of the recipe's text ---------------------------------------------------------------------------------
@@ -173,12 +180,14 @@ class Editor {
   }
 
   // Loads another text. It counts as saved if it has the name of a file.
-  load(text, recipe, base, keepHistory = false) {
-    if (!keepHistory) this.history.clear();
+  load(text, recipe, base) {
+    this.history.clear();
+    if (recipe) remember(this.folder, recipe);
     Object.assign(this, { text, recipe, base, seen: base, savedText: recipe ? text : "", savedScene: null, kind: "", isJustLoaded: true, checked: [] });
     // A template is not worth keeping before it is changed.
     Object.assign(this, { draft: `${Date.now()}`, firstText: text, drawnText: null });
     this.locks.clear();
+    this.tools.own.photo.remove();
     for (const id of ["conflict", "candidates", "known"]) at(id).hidden = true;
     this.askAnew();
   }
@@ -259,7 +268,7 @@ class Editor {
   replaceBy(change, text) {
     this.history.begin(this.text);
     this.ask(change, text);
-    this.whenIdle(() => { this.history.end(this.text); this.player.fit(true); });
+    this.whenIdle(() => { this.history.end(this.text); this.makeRoom(); });
   }
 
   showKnown(known) {
@@ -454,7 +463,7 @@ class Editor {
   showScene(reply) {
     const { scene, handles, preview, structure, unfinished } = reply, wasUnfinished = document.body.classList.contains("unfinished");
     document.body.classList.toggle("unfinished", unfinished !== "");
-    const canBuild = structure || reply.kind === "path-generator";
+    const canBuild = structure || ["path-generator", "body-guidance"].includes(reply.kind);
     at("build").hidden = !canBuild;
     if (reply.shafts.length || !this.handles?.held) at("join").hidden = !reply.shafts.length;
     const copy = this.text === this.savedText || this.isJustLoaded ? structuredClone(scene) : null;
@@ -610,6 +619,7 @@ class Editor {
     try {
       const saved = await post("save", { recipe: name, text, base });
       Object.assign(this, { recipe: name, base: saved.base, seen: saved.base, savedText: text });
+      remember(this.folder, name);
       at("conflict").hidden = true;
       if (this.text === text) { this.saved = this.values; this.ask({}); }
       this.showState();

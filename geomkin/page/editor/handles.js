@@ -158,7 +158,7 @@ export class Handles {
       if (this.held !== element) return;
       const to = element.surface.plane(event).map((at, k) => at + this.offset[k]);
       // A search answers late: until then its handle is at the pointer.
-      if (this.editor.isSearch && element.handle.shape !== "circle") { element.pointer = to; this.show(this.player.frame); }
+      if (this.editor.isSearch && element.handle.shape !== "circle") { element.pointer = to; this.show(this.player.frame); this.editor.tools.draw(); }
       this.editor.drag(element.handle, this.change(element, to, event.shiftKey));
     });
     for (const end of ["pointerup", "pointercancel"]) {
@@ -196,7 +196,8 @@ export class Handles {
   }
 
   key(element, event) {
-    const { handle, surface } = element, direction = KEYS[event.key];
+    const { handle, surface } = element, direction = KEYS[event.key], [, pose] = handle.id.match(/^point:wanted\.poses\[(\d+)/) ?? [];
+    if (event.key === "Delete" && pose && !handle.locked) { this.editor.tools.own.pose.remove(+pose); return; }
     if (!direction || event.ctrlKey || event.altKey || event.metaKey) return;
     event.preventDefault();
     if (handle.locked) return;

@@ -1,5 +1,7 @@
 // Tools of the stage: a linkage is built, and a wanted path drawn, by clicks and strokes; the server makes each edit.
 import { drawFace } from "./form.js";
+import { Photo } from "./photo.js";
+import { Poses } from "./poses.js";
 import { make, px } from "../player/shapes.js";
 
 const { hypot, max, min } = Math;
@@ -10,7 +12,7 @@ const PRESSED = 12;
 const ANY = ["point", "body"];
 
 // Tools of recipes that are no linkages themselves.
-const ALWAYS = ["move", "path"];
+const ALWAYS = ["move", "path", "pose", "photo"];
 // Turns of a drawn spring, and its width, px.
 const COILS = 8, WIDE = 7;
 // Points that are taken of a dropped drawing.
@@ -33,6 +35,8 @@ const TOOLS = {
   motor: ["Motor", "Click the body that a motor drives, and choose the motor.", ["body"]],
   delete: ["Delete", "Click a point, a slide, a force, a spring or a body.", ["point", "slide", "load", "body"]],
   path: ["Path", "Draw the path that a linkage is to follow, or drop an SVG drawing: known linkages appear, then the search begins."],
+  pose: ["Pose", "Click where the body is to be, three times or more; draw outwards to turn it. Drag the handles of a pose to move and turn it."],
+  photo: ["Picture", "Choose or drop a picture to trace: drag it, or a corner of it; give the true length of something in it; then draw a path over it."],
   rename: ["Name", "Click a point, a slide or a body, and type its name.", ["point", "slide", "body"]],
 };
 
@@ -55,9 +59,11 @@ export class Tools {
       button.addEventListener("click", () => this.choose(name));
       return button;
     });
-    const line = make(root, "p", { role: "status" });
+    const row = make(root, "div", { class: "buttons said" }), line = make(row, "p", { role: "status" });
     this.stated = make(line, "b");
-    this.about = make(line, "span");
+    this.about = make(line, "span", { id: "tool-about" });
+    // Tools that have pointer and keys for themselves.
+    this.own = { pose: new Poses(this), photo: new Photo(this, row) };
     this.dialog = document.getElementById("rename-dialog");
     this.motors = document.getElementById("motor-dialog");
   }
@@ -71,6 +77,12 @@ export class Tools {
     this.shown = make(this.layer, "g");
     const act = { pointerdown: (event) => this.press(event), pointermove: (event) => this.move(event), pointerup: (event) => this.release(event), pointerleave: () => this.leave() };
     for (const [name, does] of Object.entries(act)) this.layer.addEventListener(name, does);
+    this.layer.addEventListener("keydown", (event) => {
+      if (event.ctrlKey || event.metaKey || event.altKey || !this.own[this.tool]?.key(event)) return;
+      event.preventDefault();
+      event.stopPropagation();
+    });
+    this.own.photo.mount();
     drawing.overlays.push(this);
     const stage = handles.parentNode;
     stage.addEventListener("dragover", (event) => event.preventDefault());
@@ -79,8 +91,10 @@ export class Tools {
   }
 
   // Shows the tools of a linkage, with what it still lacks; structure: the names of an answer.
-  load({ structure, unfinished, springs }) {
+  load(reply) {
+    const { structure, unfinished, springs } = reply;
     Object.assign(this, { structure, springs, clicks: [], stroke: null });
+    this.own.pose.load(reply);
     if (this.shafts) this.choose("move");
     for (const button of this.buttons) button.hidden = !structure && !ALWAYS.includes(button.dataset.tool);
     this.stated.textContent = unfinished || (structure ? "1 degree of freedom: it moves" : "");
@@ -92,7 +106,7 @@ export class Tools {
   pick(shafts, act) {
     this.choose("move");
     this.shafts = { all: shafts, act, held: null, phase: 0 };
-    this.layer.classList.add("active");
+    this.setActive();
     this.editor.player.play(false);
     this.editor.announce("Click the shaft that turns it; draw outwards to turn its driver by a phase");
     this.draw();
@@ -101,12 +115,24 @@ export class Tools {
   choose(tool) {
     Object.assign(this, { tool, clicks: [], hover: null, shafts: null });
     for (const button of this.buttons) button.setAttribute("aria-pressed", button.dataset.tool === tool);
-    this.layer?.classList.toggle("active", this.isActive);
+    this.setActive();
     if (this.isActive) this.editor.player?.play(false);
     // Known linkages take a moment at first.
     if (tool === "path") this.editor.known([[0, 0], [3, 1], [5, 4], [2, 6], [0, 0]]).catch(() => {});
     this.say();
     this.draw();
+  }
+
+  // Lets the layer take the pointer, and for a tool with keys the focus.
+  setActive() {
+    const { layer, tool, own } = this, hasKeys = this.isActive && tool in own;
+    document.body.classList.toggle("posing", this.isActive && tool === "pose");
+    own.photo.buttons.hidden = tool !== "photo";
+    if (!layer) return;
+    layer.classList.toggle("active", Boolean(this.isActive));
+    const attributes = { tabindex: 0, role: "application", "aria-label": TOOLS[tool][0], "aria-describedby": "tool-about" };
+    for (const [name, value] of Object.entries(attributes)) if (hasKeys) layer.setAttribute(name, value); else layer.removeAttribute(name);
+    own.photo.update();
   }
 
   get isActive() { return this.shafts || (!this.root.hidden && this.tool !== "move"); }
@@ -115,6 +141,7 @@ export class Tools {
   cancel() {
     if (!this.isActive) return false;
     if (this.shafts) { this.choose("move"); return true; }
+    if (this.own[this.tool]?.cancel()) return true;
     if (this.clicks.length) { this.clicks = []; this.draw(); } else this.choose("move");
     return true;
   }
@@ -195,11 +222,12 @@ export class Tools {
   // --- clicks ----------------------------------------------------------------------------------------------------------
 
   press(event) {
-    const isPath = this.tool === "path";
-    if (event.button || !(this.structure || isPath || this.shafts)) return;
+    const isPath = this.tool === "path", own = this.own[this.tool];
+    if (event.button || !(this.structure || isPath || own || this.shafts)) return;
     event.preventDefault();
     this.layer.setPointerCapture(event.pointerId);
     if (this.shafts) { this.shafts.held = this.shaftAt(event); this.draw(); return; }
+    if (own) { own.press(this.drawing.onStage(event), 1.5 * NEAR_POINT); return; }
     if (isPath) { this.stroke = []; this.isDrawing = true; this.extend(event); return; }
     this.pressed = [event.clientX, event.clientY];
     this.take(this.meant(event));
@@ -209,6 +237,7 @@ export class Tools {
     this.editor.player.play(false);
     if (this.isDrawing) { this.extend(event); return; }
     if (this.shafts) { this.turn(event); return; }
+    if (this.own[this.tool]) { this.own[this.tool].move(this.drawing.onStage(event)); return; }
     if (!this.structure || this.tool === "path") return;
     this.hover = this.meant(event);
     this.draw();
@@ -222,6 +251,7 @@ export class Tools {
       if (held) { this.choose("move"); this.editor.announce(""); act(held.body, phase); }
       return;
     }
+    if (this.own[this.tool]) { this.own[this.tool].release(); return; }
     if (this.isDrawing) {
       this.isDrawing = false;
       if (stroke.length < 3) { this.stroke = null; this.draw(); return; }
@@ -266,11 +296,16 @@ export class Tools {
     this.draw();
   }
 
-  // Takes the first path of a dropped SVG drawing; one unit is 1 mm.
+  // Takes the first path of a dropped SVG drawing, of which one unit is 1 mm, or lays another picture under the stage.
   async drop(event) {
     event.preventDefault();
     const [file] = event.dataTransfer.files;
     if (!file) return;
+    if (!/svg|xml/.test(file.type)) {
+      if (document.getElementById("build").hidden) this.editor.announce("A picture is traced on an empty linkage: New");
+      else await this.own.photo.take(file);
+      return;
+    }
     const svg = new DOMParser().parseFromString(await file.text(), "image/svg+xml"), path = svg.querySelector("path, polygon, polyline, ellipse, circle, rect");
     const shape = path && make(make(this.layer, "g", { visibility: "hidden" }), path.localName);
     for (const { name, value } of path?.attributes ?? []) if (/^(d|points|c[xy]|r[xy]?|x|y|width|height)$/.test(name)) shape.setAttribute(name, value);
@@ -339,7 +374,9 @@ export class Tools {
     this.shown.replaceChildren();
     if (this.stroke?.length > 1) make(this.shown, "path", { d: `M${this.stroke.map((at) => this.drawing.screen(...at).map(px)).join("L")}`, class: "stroke" });
     if (this.shafts) { this.drawShafts(); return; }
-    if (!this.isActive || !this.structure) return;
+    if (!this.root.hidden) this.own.pose.draw();
+    if (this.tool === "photo" && this.isActive) this.own.photo.draw();
+    if (!this.isActive || !this.structure || this.tool in this.own) return;
     const { clicks, hover, drawing, places } = this, all = hover ? [...clicks, hover] : clicks;
     const spot = ({ at, point, slide }) => places.get(point ?? slide) ?? drawing.screen(...at);
     const line = all.map(spot).map((at) => at.map(px));

@@ -37,7 +37,7 @@ export function drawingFile({ svg, wide, tall }) {
 function copied(element) {
   const style = getComputedStyle(element), isShape = element instanceof SVGGeometryElement || element instanceof SVGTextElement;
   const isHidden = style.display === "none" || (isShape && style.visibility === "hidden");
-  if (isHidden || element.matches("title:empty, .ghost, .touch")) return null;
+  if (isHidden || element.matches("title:empty, .ghost, .touch, .photo")) return null;
   const copy = element.cloneNode(false);
   for (const name of ["class", "visibility", "data-role", "data-body"]) copy.removeAttribute(name);
   if (isShape) {

@@ -251,20 +251,12 @@ def _through(
     x = chebyshev_points((wanted.x0, wanted.x1), points) if is_whole(points) else np.asarray(points, dtype=float)  # type: ignore[arg-type]
     most = 3 + starts.count(None)
     if len(x) > most:
-        raise DesignError(
-            "points",
-            f"found {len(x)}, but three lengths and the free starts can meet only {most}",
-            "give no start, or fewer points",
-            "conflict",
-        )
+        problem = f"found {len(x)}, but three lengths and the free starts can meet only {most}"
+        raise DesignError("points", problem, "give no start, or fewer points", "conflict")
     shares = (x - wanted.x0) / (wanted.x1 - wanted.x0)
     if not ((shares >= 0) & (shares <= 1)).all() or (np.diff(shares) < 1e-3).any():
-        raise DesignError(
-            "points",
-            f"found {', '.join(f'{value:g}' for value in x)}",
-            f"give rising values from {wanted.x0:g} to {wanted.x1:g}, at least a thousandth of that apart",
-            "out-of-range",
-        )
+        remedy = f"give rising values from {wanted.x0:g} to {wanted.x1:g}, at least a thousandth of that apart"
+        raise DesignError("points", f"found {', '.join(f'{value:g}' for value in x)}", remedy, "out-of-range")
     return tuple(shares.tolist())
 
 
@@ -273,12 +265,8 @@ def _best(task: AbstractGenerator, method: str, to_result: Callable[[LocalOptimu
     squares = method == "least-squares"
     optima = best_candidates(task, squares)
     if not optima:
-        raise DesignError(
-            "input_start_deg",
-            "no linkage was found that closes from these starts",
-            "leave a start free",
-            "does-not-assemble",
-        )
+        problem = "no linkage was found that closes from these starts"
+        raise DesignError("input_start_deg", problem, "leave a start free", "does-not-assemble")
     best = optima[0]
     if best.broken > KEPT or not np.isfinite(best.worst):
         # A search with the smallest allowed angle shows whether this limit is the reason.
@@ -290,22 +278,16 @@ def _best(task: AbstractGenerator, method: str, to_result: Callable[[LocalOptimu
         if looser:
             angle = float(np.degrees(task.transmission(np.stack([candidate.p for candidate in looser])).max()))
             least = float(np.degrees(task.least_transmission))
-            raise DesignError(
-                "least_transmission_angle_deg",
-                f"found {least:g}, which none of the linkages tried keeps",
-                f"give at most {rounded_down(angle, 3)}, leave starts free, or give other swings",
-            )
+            problem = f"found {least:g}, which none of the linkages tried keeps"
+            remedy = f"give at most {rounded_down(angle, 3)}, leave starts free, or give other swings"
+            raise DesignError("least_transmission_angle_deg", problem, remedy)
         if task.through and np.abs(task.error(best.p[None], np.array(task.through)[None])).max() > KEPT:
-            raise DesignError(
-                "points",
-                f"no linkage was found that meets these {len(task.through)} within the limits",
-                "give fewer or others, leave starts free, or give other swings or limits",
-            )
-        raise DesignError(
-            "largest_ratio",
-            f"found {task.largest_ratio:g}, but none of the linkages tried meets the function within the limits",
-            "give a larger one or a smaller least transmission angle, leave starts free, or give other swings",
-        )
+            problem = f"no linkage was found that meets these {len(task.through)} within the limits"
+            remedy = "give fewer or others, leave starts free, or give other swings or limits"
+            raise DesignError("points", problem, remedy)
+        problem = f"found {task.largest_ratio:g}, but none of the linkages tried meets the function within the limits"
+        remedy = "give a larger one or a smaller least transmission angle, leave starts free, or give other swings"
+        raise DesignError("largest_ratio", problem, remedy)
     others = []
     for optimum in optima[1:]:
         # Linkages with links beyond the allowed size are left out.

@@ -178,7 +178,8 @@ def _tries(task: AbstractTask, p: Real, s: Real, box: Real, value: Real) -> tupl
     bounds[:, open_rows + 1 :] = box[:, None]
     # The start is the corner of the box with all unknowns at their lower ends.
     there = -box[:, None] * rows[:, :, :n].sum(axis=2) - bounds
-    limits = _number_of_limits(rows, n)
+    # Limits are the rows with the violation, except its own.
+    limits = int((rows[0, :, n + 1] < 0).sum()) - 1
     worst = np.argmax(there[:, : open_rows - limits], axis=1)
     broken = open_rows - limits + np.argmax(there[:, open_rows - limits : open_rows + 1], axis=1)
     low = np.tile(np.arange(open_rows + 1 + n, open_rows + 1 + 2 * n), (len(p), 1))
@@ -227,11 +228,6 @@ def _linearised(task: AbstractTask, p: Real, s: Real, free: Whole) -> tuple[Real
     rows[:, end + 1 :, :n] = np.vstack([np.eye(n), -np.eye(n)])
     bounds[:, :m], bounds[:, m : 2 * m], bounds[:, 2 * m : end] = -e, e, -limits
     return rows, bounds, end
-
-
-def _number_of_limits(rows: Real, n: int) -> int:
-    """Number of rows that are limits: those with the violation, except its own."""
-    return int((rows[0, :, n + 1] < 0).sum()) - 1
 
 
 def _newton(held: Real, paid: Mask, right: Real, curvature: Real, cost: Real) -> Real:

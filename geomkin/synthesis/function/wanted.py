@@ -136,21 +136,14 @@ def wanted_function(f: Function, span: tuple[float, float]) -> WantedFunction:
     x = np.linspace(x0, x1, SAMPLES)
     y = called(x)
     if not np.isfinite(y).all():
-        raise DesignError(
-            "function",
-            f"found no finite value at x = {x[~np.isfinite(y)][0]:.6g}",
-            "give a range in which it has one",
-            "not-finite",
-        )
+        problem = f"found no finite value at x = {x[~np.isfinite(y)][0]:.6g}"
+        raise DesignError("function", problem, "give a range in which it has one", "not-finite")
     height = float(np.ptp(y))
     _check_continuity(called, x, y, height)
     if height == 0 or abs(y[-1] - y[0]) < LEAST_END_DIFFERENCE * height:
         what = "is constant over the range" if height == 0 else "has equal values at both ends"
-        raise DesignError(
-            "function",
-            f"it {what}, {y[0]:.6g}, so that no output swing fits it",
-            "give a range with different values at its ends",
-        )
+        problem = f"it {what}, {y[0]:.6g}, so that no output swing fits it"
+        raise DesignError("function", problem, "give a range with different values at its ends")
     return WantedFunction(called, x0, x1, float(y[0]), float(y[-1]))
 
 
@@ -163,12 +156,9 @@ def _over_arrays(f: Callable[..., Any], x0: float, x1: float) -> Callable[[Real]
         except (ArithmeticError, ValueError):
             return np.nan
         except Exception as error:
-            raise DesignError(
-                "function",
-                f"called at {x:g} it fails, {type(error).__name__}: {printable(error, 60)}",
-                "give a function of one number that returns one",
-                "wrong-type",
-            ) from None
+            problem = f"called at {x:g} it fails, {type(error).__name__}: {printable(error, 60)}"
+            remedy = "give a function of one number that returns one"
+            raise DesignError("function", problem, remedy, "wrong-type") from None
 
     def call_each(x: Real) -> Real:
         return np.array([call_once(value) for value in np.ravel(x).tolist()]).reshape(np.shape(x))
@@ -199,12 +189,8 @@ def _through(rows: Real, x0: float, x1: float) -> Callable[[Real], Real]:
             "function", f"x does not rise from row {int(gaps.argmin()) + 1} on", "give rows of rising x", "out-of-range"
         )
     if x0 < x[0] or x1 > x[-1]:
-        raise DesignError(
-            "span",
-            f"found {x0:g} to {x1:g}",
-            f"give a range within that of the rows, {rounded_up(x[0])} to {rounded_down(x[-1])}",
-            "out-of-range",
-        )
+        remedy = f"give a range within that of the rows, {rounded_up(x[0])} to {rounded_down(x[-1])}"
+        raise DesignError("span", f"found {x0:g} to {x1:g}", remedy, "out-of-range")
     # The table is flattened so that the chord length, which is the spline's parameter, equals x.
     flat = 1e-9 * gaps.min() / (np.abs(y).max() or 1.0)
     spline = Spline(x + 1j * flat * y)
@@ -229,9 +215,5 @@ def _check_continuity(f: Callable[[Real], Real], x: Real, y: Real, height: float
         jumps = not np.isfinite(values).all() or steps.max() > JUMP * height
         if jumps or np.abs(values - y[0]).max() > LARGEST_OVERSHOOT * height:
             position = 0.0 if abs(low) < 1e-9 * (x[-1] - x[0]) else low
-            raise DesignError(
-                "function",
-                f"it jumps or has a pole near x = {position:.6g}",
-                "give a range in which it is continuous",
-                "not-finite",
-            )
+            problem = f"it jumps or has a pole near x = {position:.6g}"
+            raise DesignError("function", problem, "give a range in which it is continuous", "not-finite")

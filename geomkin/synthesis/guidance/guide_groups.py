@@ -247,12 +247,8 @@ def of_chosen(
     if moving is not None and fixed is not None:
         raise DesignError("fixed_points", "are given together with moving_points", "give only one of them", "conflict")
     if fixed is not None and kind != "four-bar":
-        raise DesignError(
-            "fixed_points",
-            f"are given for {with_article(kind)}, which does not have two",
-            "give moving_points",
-            "conflict",
-        )
+        problem = f"are given for {with_article(kind)}, which does not have two"
+        raise DesignError("fixed_points", problem, "give moving_points", "conflict")
     if len(body.origins) > 3:
         poses = list(zip(body.origins.tolist(), np.angle(body.directions).tolist()))
         pins, pivots = (None if points is None else np.array(points) for points in (moving, fixed))

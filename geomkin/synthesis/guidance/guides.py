@@ -49,11 +49,7 @@ class Defects:
 
 
 def four_bar_defects(
-    ground: Real,
-    crank: Real,
-    coupler: Real,
-    rocker: Real,
-    directions: tuple[Complex, Complex, Complex],
+    ground: Real, crank: Real, coupler: Real, rocker: Real, directions: tuple[Complex, Complex, Complex]
 ) -> Defects:
     """Defects of four-bars driven by the crank, lengths (linkages,), at positions with the given directions.
 

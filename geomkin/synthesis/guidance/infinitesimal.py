@@ -51,12 +51,8 @@ class BodyState:
 
     def __post_init__(self) -> None:
         if not (self.velocity or self.omega):
-            raise DesignError(
-                "velocity",
-                "found 0, and omega 0",
-                "give one of them; a body at rest does not determine a linkage",
-                "conflict",
-            )
+            remedy = "give one of them; a body at rest does not determine a linkage"
+            raise DesignError("velocity", "found 0, and omega 0", remedy, "conflict")
 
     def velocity_of(self, points: ArrayLike) -> Complex:
         """Velocities of the body's points.
@@ -234,11 +230,8 @@ def acceleration_state_four_bar(
     far = np.isnan(pins) | np.isnan(pivots) | (np.abs(pins - pivots) > FAR * np.abs(given[1] - given[0]))
     if far.any():
         place = given[np.argmax(far)]
-        raise DesignError(
-            name,
-            f"the path of ({place.real:g}, {place.imag:g}) is straight, or the point is at rest",
-            "give another point",
-        )
+        problem = f"the path of ({place.real:g}, {place.imag:g}) is straight, or the point is at rest"
+        raise DesignError(name, problem, "give another point")
     arm = pins[0] - pivots[0]
     alpha = cross(arm, state.acceleration_of(pins[0])) / max(abs(arm) ** 2, np.finfo(float).tiny)
     return _four_bar(state, name, pins, pivots, float(alpha))
@@ -250,12 +243,8 @@ def _two_points(moving: None | complex | ArrayLike, fixed: None | complex | Arra
     name, given = ("moving", moving) if fixed is None else ("fixed", fixed)
     points: Complex = np.asarray(given, dtype=complex)
     if points.shape != (2,) or points[0] == points[1]:
-        raise DesignError(
-            name,
-            f"found {points.tolist()}",
-            "give two different points: the crank's, then the rocker's",
-            "out-of-range",
-        )
+        problem = f"found {points.tolist()}"
+        raise DesignError(name, problem, "give two different points: the crank's, then the rocker's", "out-of-range")
     return name, points
 
 
@@ -265,11 +254,8 @@ def _four_bar(state: BodyState, name: str, pins: Complex, pivots: Complex, alpha
     if min(np.abs([*arms, base, bar])) <= IN_LINE * size:
         raise DesignError(name, "a pin falls on its pivot or on the other one", "give points off the instant centre")
     if max(abs(cross(bar, arm)) / abs(bar * arm) for arm in arms) <= IN_LINE:
-        raise DesignError(
-            name,
-            "the points and the instant centre are collinear, so that the motion is undetermined",
-            "move one off it",
-        )
+        problem = "the points and the instant centre are collinear, so that the motion is undetermined"
+        raise DesignError(name, problem, "move one off it")
     along = base / abs(base)
     linkage = FourBar(
         float(abs(base)),

@@ -59,12 +59,8 @@ def distinct_poses(poses: Poses, least: int, most: int = MOST_POSES) -> tuple[Co
     is_equal = np.maximum(distances, np.abs(directions[:, None] - directions)) <= ALIKE
     if np.count_nonzero(is_equal) > count:
         first, second = np.nonzero(np.triu(is_equal, 1))
-        raise DesignError(
-            "poses",
-            f"poses {first[0] + 1} and {second[0] + 1} are the same",
-            "leave one of them out, or move it",
-            "conflict",
-        )
+        problem = f"poses {first[0] + 1} and {second[0] + 1} are the same"
+        raise DesignError("poses", problem, "leave one of them out, or move it", "conflict")
     return origins, directions
 
 

@@ -16,8 +16,7 @@ from ...core.units import bare_mm, unit_name
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
 from ...linkage.motion import Motion, unwrapped_deg
 from ...linkage.moving import move
-from ...linkage.parts.engraved import PlateStock, engraved, pose_axes, skeleton
-from ...linkage.parts.stock import LinkStock
+from ...linkage.parts.stock import LinkStock, PlateStock, engraved, pose_axes, skeleton
 from ...model.check import Check
 from ...model.part import Part
 from ...model.scene import Choice, Limit, Plot, Scene, SceneCurve, SceneHandle, SceneRegion, list_handles, pose_handles
@@ -313,10 +312,7 @@ class BodyGuidanceRecipe(AbstractLinkageGoal[BodyGuide]):
         driving, driven = (
             f"({bare_mm(pin.real, pin.imag):.7g}) {unit_name()}" for pin in rounded(np.array(self.found.pins), 3)
         )
-        return (
-            *cut,
-            f"The pin at {driving} on the body drives, and the pin at {driven} is driven.",
-        )
+        return (*cut, f"The pin at {driving} on the body drives, and the pin at {driven} is driven.")
 
     @property
     def notes(self) -> Mapping[str, object]:

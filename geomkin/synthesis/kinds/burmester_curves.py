@@ -12,7 +12,7 @@ from ...core.errors import DesignError
 from ...core.fields import FARTHEST, entry, quantity
 from ...core.records import record
 from ...core.units import mm
-from ...linkage.parts.engraved import PlateStock, engraved, pose_axes
+from ...linkage.parts.stock import PlateStock, engraved, pose_axes
 from ...model.check import Check
 from ...model.part import Part
 from ...model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark, circle_handle, pose_handles
@@ -49,11 +49,8 @@ class FourWanted:
     )
     reach: float | None = quantity(
         "largest distance of the curves from the middle of the poses; three times the farthest pose if left out",
-        "mm",
-        default=None,
-        above=0,
-        at_most=FARTHEST,
-    )
+        "mm", default=None, above=0, at_most=FARTHEST,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         if len(self.poses) != 4:
@@ -84,12 +81,9 @@ class BurmesterCurvesRecipe(AbstractRecipe):
     kind: Literal["burmester-curves"] = "burmester-curves"
     wanted: FourWanted
     rows: int = quantity(
-        "number of dyads in the table, evenly spaced along the centre-point curve",
-        default=200,
-        at_least=2,
-        at_most=20_000,
-        whole=True,
-    )
+        "number of dyads in the table, evenly spaced along the centre-point curve", default=200, at_least=2,
+        at_most=20_000, whole=True,
+    )  # fmt: skip
     stock: PlateStock = entry("the plate", default=PlateStock())
     files: Files = entry("what is written", default=Files())
 
@@ -193,10 +187,7 @@ class BurmesterCurvesRecipe(AbstractRecipe):
         marks = [SceneMark("line", fixed, "construction", vector=pins - fixed) for pins in shown]
         marks += [SceneMark("pin", pins, "construction") for pins in shown]
         marks.append(SceneMark("fixed pin", fixed, "construction", "pivot"))
-        plots = (
-            Plot("pivot on the ground", ("fixed_x", "fixed_y")),
-            Plot("length of the crank", ("length",)),
-        )
+        plots = (Plot("pivot on the ground", ("fixed_x", "fixed_y")), Plot("length of the crank", ("length",)))
         time, closed = np.linspace(0, DURATION, count), np.ones(count, dtype=bool)
         return Scene(self.table, time, closed, (), tuple(curves), tuple(marks), plots, cyclic=False)
 

@@ -46,11 +46,7 @@ class RequiredFunction:
     x_start: float = quantity("start of the range of x", at_least=-FARTHEST, at_most=FARTHEST, example=1)
     x_end: float = quantity("end of the range of x", at_least=-FARTHEST, at_most=FARTHEST, example=2)
     input_deg: float = quantity(
-        "rotation of the crank from x_start to x_end, counterclockwise",
-        "deg",
-        default=60.0,
-        at_least=-359,
-        at_most=359,
+        "rotation of the crank from x_start to x_end, counterclockwise", "deg", default=60.0, at_least=-359, at_most=359
     )
     input_start_deg: float | None = _start_deg("crank's angle from the ground line at x_start")
     least_transmission_angle_deg: float = quantity(
@@ -77,12 +73,8 @@ class RequiredFunction:
                 "rows", f"{given}, with function = {self.function!r}", "give rows with function = 'table'", "conflict"
             )
         if self.coefficients and self.function not in NAMED:
-            raise DesignError(
-                "coefficients",
-                f"is given, with function = {self.function!r}",
-                f"give them with {', '.join(NAMED)}",
-                "conflict",
-            )
+            problem = f"is given, with function = {self.function!r}"
+            raise DesignError("coefficients", problem, f"give them with {', '.join(NAMED)}", "conflict")
         if (self.points != 3 or self.points_at) and self.method != "points":
             raise DesignError(
                 "method", f"found {self.method}, with precision points", "give points, or leave those out", "conflict"
@@ -119,23 +111,17 @@ class RequiredAngle(RequiredFunction):
     """A function with a rocker's angle as the output."""
 
     output_deg: float = quantity(
-        "rotation of the rocker from y(x_start) to y(x_end), counterclockwise",
-        "deg",
-        default=90.0,
-        at_least=-359,
+        "rotation of the rocker from y(x_start) to y(x_end), counterclockwise", "deg", default=90.0, at_least=-359,
         at_most=359,
-    )
+    )  # fmt: skip
     output_start_deg: float | None = _start_deg("rocker's angle from the ground line at x_start")
     ground: float = quantity(
         "distance between the two ground pivots", "mm", default=100.0, at_least=SMALLEST, at_most=FARTHEST
     )
     largest_error_deg: float | None = quantity(
-        "largest error of the output that passes the check; a hundredth of its range if left out",
-        "deg",
-        default=None,
-        above=0,
-        at_most=360,
-    )
+        "largest error of the output that passes the check; a hundredth of its range if left out", "deg",
+        default=None, above=0, at_most=360,
+    )  # fmt: skip
 
 
 @record(kw_only=True)
@@ -143,26 +129,17 @@ class RequiredSliderPosition(RequiredFunction):
     """A function with a slider's position as the output."""
 
     output_mm: float = quantity(
-        "travel of the slider from y(x_start) to y(x_end), along +x",
-        "mm",
-        default=50.0,
-        at_least=-FARTHEST,
+        "travel of the slider from y(x_start) to y(x_end), along +x", "mm", default=50.0, at_least=-FARTHEST,
         at_most=FARTHEST,
-    )
+    )  # fmt: skip
     output_start_mm: float | None = quantity(
-        "slider's x at x_start, from the crank pivot; found if left out",
-        "mm",
-        default=None,
-        at_least=-FARTHEST,
+        "slider's x at x_start, from the crank pivot; found if left out", "mm", default=None, at_least=-FARTHEST,
         at_most=FARTHEST,
-    )
+    )  # fmt: skip
     largest_error_mm: float | None = quantity(
-        "largest error of the output that passes the check; a hundredth of its range if left out",
-        "mm",
-        default=None,
-        above=0,
-        at_most=FARTHEST,
-    )
+        "largest error of the output that passes the check; a hundredth of its range if left out", "mm", default=None,
+        above=0, at_most=FARTHEST,
+    )  # fmt: skip
 
 
 @record(kw_only=True)
@@ -228,10 +205,7 @@ class AbstractFunctionRecipe(AbstractLinkageGoal[AbstractFunctionGenerator]):
     @property
     def plotted(self) -> Sequence[Plot]:
         limits = tuple(Limit("error", side * self.most_error, "largest error allowed") for side in (1, -1))
-        return (
-            Plot("error of the output", ("error",), limits),
-            Plot("output", ("wanted", "reached")),
-        )
+        return (Plot("error of the output", ("error",), limits), Plot("output", ("wanted", "reached")))
 
     @property
     def size_bounds(self) -> Mapping[str, tuple[float, float]]:
@@ -273,10 +247,7 @@ class FunctionGeneratorRecipe(AbstractFunctionRecipe):
     def best(self) -> FunctionGenerator:
         wanted = self.wanted
         return function_generator(
-            **wanted.given,
-            output_deg=wanted.output_deg,
-            output_start_deg=wanted.output_start_deg,
-            ground=wanted.ground,
+            **wanted.given, output_deg=wanted.output_deg, output_start_deg=wanted.output_start_deg, ground=wanted.ground
         )
 
     @cached_property

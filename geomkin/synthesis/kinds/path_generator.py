@@ -11,15 +11,13 @@ import numpy as np
 
 from ...core.errors import DesignError, printable, shown
 from ...core.field_visitor import WrittenForm
-from ...core.fields import FARTHEST, ComplexPoint, Length, Ratio, entry, point_of, quantity
+from ...core.fields import FARTHEST, ComplexPoint, Length, Ratio, clipped, entry, point_of, quantity
 from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
-from ...core.reprs import clipped
 from ...core.units import INCH, marked
 from ...linkage.coupler_curve import CouplerCurve
 from ...linkage.moving import move
-from ...linkage.parts.engraved import PlateStock, engraved, skeleton
-from ...linkage.parts.stock import LinkStock
+from ...linkage.parts.stock import LinkStock, PlateStock, engraved, skeleton
 from ...model.check import Check
 from ...model.part import Part
 from ...model.scene import SceneCurve, SceneHandle, list_handles
@@ -124,12 +122,8 @@ def _rows(text: str, name: str) -> Complex:
                 "wrong-type",
             ) from None
         if not (abs(x) <= FARTHEST and abs(y) <= FARTHEST):
-            raise DesignError(
-                "file",
-                f"row {k} of {name} holds {x:g}, {y:g}",
-                f"give coordinates within {FARTHEST:g} of 0",
-                "out-of-range",
-            )
+            problem = f"row {k} of {name} holds {x:g}, {y:g}"
+            raise DesignError("file", problem, f"give coordinates within {FARTHEST:g} of 0", "out-of-range")
         points.append(complex(x, y))
     return np.array(points, dtype=complex)
 
@@ -191,8 +185,7 @@ class WantedPath:
         "whether the points lie, in any order, on a closed curve that a full turn draws", default=False
     )
     bars: Literal[4, 5, 6, 7, 8] = entry(
-        "largest number of bars; more than 4 follow paths that few four-bars follow",
-        default=4,
+        "largest number of bars; more than 4 follow paths that few four-bars follow", default=4
     )
     geared: bool = entry("whether five- and seven-bars with two geared cranks are searched for too", default=False)
     weights: tuple[WeightedStretch, ...] = entry(
@@ -201,16 +194,12 @@ class WantedPath:
     )
     slides: bool = entry("true for a slider-crank, false for a four-bar", default=False)
     drive_deg: tuple[float, ...] | None = entry(
-        "crank angles at the points, rising or falling; only differences count; free if left out",
-        default=None,
+        "crank angles at the points, rising or falling; only differences count; free if left out", default=None
     )
     step_deg: float | None = quantity(
-        "equal steps of the crank angle from point to point, instead of drive_deg",
-        "deg",
-        default=None,
-        at_least=-180,
-        at_most=180,
-    )
+        "equal steps of the crank angle from point to point, instead of drive_deg", "deg", default=None,
+        at_least=-180, at_most=180,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         given = [name for name in ("points", "file", "svg") if getattr(self, name) is not None]
@@ -331,11 +320,8 @@ class PathEffort(Search):
 
     effort: int = quantity(
         "work of the search for closed paths and for more than four bars: 3 takes three times as long and comes nearer",
-        default=1,
-        at_least=1,
-        at_most=100,
-        whole=True,
-    )
+        default=1, at_least=1, at_most=100, whole=True,
+    )  # fmt: skip
 
 
 @record(kw_only=True)

@@ -275,9 +275,7 @@ def family_choice(found: AbstractMember) -> Choice:
     least = LEAST_TRANSMISSION_ANGLE_DEG
     plots = (
         Plot(
-            "least transmission angle",
-            ("every_one", "made"),
-            (Limit("every_one", least, f"at least {least:g} deg"),),
+            "least transmission angle", ("every_one", "made"), (Limit("every_one", least, f"at least {least:g} deg"),)
         ),
         Plot(
             RATIO_OF_LINKS,
@@ -471,12 +469,9 @@ class WantedStroke(AbstractTimed):
     crank_turn_deg: float | None = turn_entry(190)
     time_ratio: Ratio | None = time_ratio_entry()
     offset: float | None = quantity(
-        "height of the slide line above the crank's pivot, instead of the best",
-        "mm",
-        default=None,
-        at_least=-FARTHEST,
-        at_most=FARTHEST,
-    )
+        "height of the slide line above the crank's pivot, instead of the best", "mm", default=None,
+        at_least=-FARTHEST, at_most=FARTHEST,
+    )  # fmt: skip
     crank: float | None = quantity(
         "length of the crank, instead of the best", "mm", default=None, above=0, at_most=FARTHEST
     )

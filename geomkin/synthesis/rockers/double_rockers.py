@@ -332,11 +332,8 @@ def _ends(wanted: TwoPositions) -> tuple[Real, Real]:
         problem = "the two positions mirror each other in the ground line, so every linkage passes a dead centre"
         raise DesignError("rocker_start_deg", problem, "move one of the starts, or change a swing")
     if not ((tie > 0).any() and (tie < 0).any()):
-        raise DesignError(
-            "rocker_start_deg",
-            f"found {np.degrees(wanted.rocker_start):g} deg, with which no positive lengths fit both swings",
-            _another_start(wanted),
-        )
+        problem = f"found {np.degrees(wanted.rocker_start):g} deg, with which no positive lengths fit both swings"
+        raise DesignError("rocker_start_deg", problem, _another_start(wanted))
     rays = [np.eye(3)[k] for k in range(3) if tie[k] == 0]
     for i, j in ((0, 1), (0, 2), (1, 2)):
         if tie[i] * tie[j] < 0:

@@ -154,13 +154,8 @@ def scale_for_link(sizes: Mapping[str, float], name: str, length: float) -> floa
     longest, shortest = max(sizes.values()), min(sizes.values())
     if longest * scale > FARTHEST:
         most = FARTHEST * sizes[name] / longest
-        raise DesignError(
-            name,
-            f"found {mm(length):g}, which makes a link of {mm(longest * scale):g}",
-            f"give {mm(most):down}",
-            "out-of-range",
-            rounded_down(most),
-        )
+        problem = f"found {mm(length):g}, which makes a link of {mm(longest * scale):g}"
+        raise DesignError(name, problem, f"give {mm(most):down}", "out-of-range", rounded_down(most))
     if shortest * scale < SMALLEST:
         least = SMALLEST * sizes[name] / shortest
         found = f"found {mm(length):g}, which makes a link of {mm(shortest * scale):g}"

@@ -13,7 +13,7 @@ from ...cam.program.segments import Dwell, Return, Rise
 from ...core.records import record
 from ...gear.conjugate.conjugate import conjugate
 from ...gear.spur import SpurGear, Tooth
-from ...plane.arcs import to_arcs
+from ...plane.approximation import to_arcs
 from ...plane.curve import AbstractCurve
 from ...plane.flatten import flatten
 from ...plane.joined import Path

@@ -15,8 +15,8 @@ from ...linkage.named_linkages import FourBar
 from ...linkage.solve.branch import as_branch_spec
 from ...linkage.solve.continuation import newton_raphson
 from ...linkage.solve.input_dyads import CrankDriven
+from ...linkage.solve.placement import Timing
 from ...linkage.solve.solution import LinkageSolution
-from ...linkage.timing import Timing
 from ...plane.vec import Array, Complex, Real
 from ..family import FRAMES, MethodFamily, Track, circling, exact, method, misses, pinned, tables, turn
 

@@ -1,0 +1,333 @@
+"""Tables of the loads of a recipe: counterweights, and the run that follows from a torque or a motor."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ...core.errors import DesignError
+from ...core.fields import FARTHEST, entry, quantity, to_digits
+from ...core.records import record
+from ...model.check import Check
+from ...model.material import Mass
+from ...model.motor import RPM, Motor
+from ...model.scene import Plot
+from ...model.table import Column, vector_columns
+from ...plane.vec import Real
+from ...recipe.recipe import part_masses
+from ...recipe.settings import Stroke, Turn
+from ..dynamics.counterweights import BalanceMeasure, BalanceObjective, balance, fixed_pivots, size_of_objective
+from ..dynamics.forward import ForwardMotion, forward_dynamics
+from ..dynamics.inverse import ForceAnalysis
+from ..dynamics.loads import Loads
+from ..linkage import Linkage
+from ..motion import Motion
+from ..moving import move
+from ..parts.plates import assemble
+from ..parts.rotating_masses import Flywheel, RoundEnd, round_end, with_flywheel
+from ..parts.stack import Stack, fastener_masses, link_parts, stack_assembly
+from ..parts.stock import LinkStock
+from .copies import is_whole_turn
+
+# Rounds in which counterweights and the screws of the stack that they change settle.
+ROUNDS = 3
+# Largest ratio of the objective with counterweights to that without: with more, they are not worth their mass; chosen
+# here.
+LARGEST_RATIO = 0.7
+# Name, column and unit of each objective; names of the measures.
+OBJECTIVES = {
+    "shaking_force": ("shaking force", "shaking_force", "N"),
+    "shaking_moment": ("shaking moment", "shaking_moment", "N_mm"),
+    "driver": ("deviation of the driver's torque from its mean", "driver_torque", "N_mm"),
+}
+MEASURES = {"root_mean_square": ("root mean squares", "rms"), "maximum": ("largest values", "largest")}
+# Column of the shaking force without counterweights.
+UNBALANCED = "shaking_force_without_counterweights"
+
+
+@record(checked=True)
+class CounterweightsTable:
+    """Counterweights in a recipe: round ends of the plates of bars on fixed pivots."""
+
+    bodies: tuple[str, ...] = entry("bodies on fixed pivots whose plates get a round end", example=("crank", "rocker"))
+    distance: float = quantity(
+        "largest distance of the centre of a round end from the pivot", "mm", above=0, at_most=FARTHEST, example=30
+    )
+    largest_radius: float = quantity(
+        "bound on the size of a counterweight: radius of the disc of equal mass at that distance", "mm",
+        above=0, at_most=FARTHEST, example=40,
+    )  # fmt: skip
+    objective: BalanceObjective = entry(
+        "what becomes least: the shaking force, the shaking moment about the driver's pivot, or the deviation of the "
+        "driver's torque from its mean",
+        default="shaking_force",
+    )
+    measure: BalanceMeasure = entry(
+        "whether its root mean square over the motion becomes least, or its largest value", default="root_mean_square"
+    )
+
+    def check(self, linkage: Linkage, stock: LinkStock, masses: Mapping[str, object]) -> None:
+        """DesignError with the key of what the linkage cannot have."""
+        try:
+            fixed_pivots(linkage, self.bodies)
+        except DesignError as error:
+            raise error.named(f"loads.counterweights.{error.field}") from None
+        if stock.material is None:
+            problem = "is missing, and the mass of counterweights depends on it"
+            raise DesignError(
+                "stock.material", problem, 'give "steel-S235", or omit loads.counterweights', "missing-key"
+            )
+        for body in self.bodies:
+            if body in masses:
+                problem = f"is given, and the counterweight on the {body} would change it"
+                raise DesignError(f"loads.masses.{body}", problem, "omit it, or name another body", "conflict")
+
+
+@record(eq=False)
+class BalancedPlates:
+    """Plates with counterweights, and what they do to the forces of the linkage.
+
+    table: of the recipe. ends: round end of the plate of each body. before: forces without counterweights.
+    """
+
+    table: CounterweightsTable
+    ends: Mapping[str, RoundEnd]
+    before: ForceAnalysis
+
+    @property
+    def _objective(self) -> tuple[str, str, str]:
+        """Name, column and unit of the objective."""
+        if self.table.objective == "driver" and self.before.motion.linkage.driven_slider is not None:
+            return "deviation of the driver's force from its mean", "driver_force", "N"
+        return OBJECTIVES[self.table.objective]
+
+    def _size(self, analysis: ForceAnalysis) -> float:
+        return size_of_objective(analysis, self.table.objective, self.table.measure)
+
+    @property
+    def columns(self) -> Iterator[Column]:
+        """The shaking force without counterweights."""
+        yield from vector_columns(UNBALANCED, "N", "shaking force without counterweights", self.before.shaking_force)
+
+    def check(self, after: ForceAnalysis) -> Check:
+        """Check that the counterweights reduce the objective; after: forces with them."""
+        ratio = self._size(after) / self._size(self.before)
+        name, column, _ = self._objective
+        words = f"{name} with counterweights to that without, {MEASURES[self.table.measure][0]}"
+        advice = "give a larger distance or largest_radius, or more bodies"
+        return Check("counterweights", words, ratio, "at most", LARGEST_RATIO, "", advice, column)
+
+    def summary(self, after: ForceAnalysis) -> Mapping[str, object]:
+        """Sizes and masses of the round ends, and the objective without and with them."""
+        ends = {
+            body: {
+                "added_mass_kg": to_digits(end.added_mass),
+                "disc_centre_mm": [round(z, 6) + 0.0 for z in (end.centre.real, end.centre.imag)],
+                "disc_radius_mm": to_digits(end.radius),
+            }
+            for body, end in self.ends.items()
+        }
+        key = f"{self.table.objective}_{MEASURES[self.table.measure][1]}_{self._objective[2]}"
+        sizes = {"without": self._size(self.before), "with": self._size(after)}
+        return {"counterweights": ends, key: {name: to_digits(size) for name, size in sizes.items()}}
+
+
+def stack_with_ends(
+    motion: Motion, stock: LinkStock, ends: Mapping[str, RoundEnd], wheel: Flywheel | None = None
+) -> Stack:
+    """Plates with round ends and a flywheel in layers; motion: in steps so small that no collision is missed."""
+    assembly = assemble(motion, stock)
+    plates = dict(assembly.plates) | {body: replace(assembly.plates[body], rim=end.rim) for body, end in ends.items()}
+    assembly = replace(assembly, plates=plates)
+    return stack_assembly(motion, stock, with_flywheel(assembly, motion.linkage, stock, wheel) if wheel else assembly)
+
+
+def balanced_plates(
+    table: CounterweightsTable,
+    forces_of: Callable[[Mapping[str, Mass]], ForceAnalysis],
+    fine_motion: Motion,
+    stock: LinkStock,
+) -> BalancedPlates:
+    """The plates that minimise the objective of the table.
+
+    The round ends have the first moments of the best point masses, at their distances.
+
+    forces_of: forces for given masses of the bodies. fine_motion: in steps so small that no collision is missed.
+    """
+    assert stock.material is not None
+    stack = stack_with_ends(fine_motion, stock, {})
+    plates, plain = stack.plates, part_masses(link_parts(fine_motion, stock, stack))
+
+    def bodies(screws: Mapping[str, Mass]) -> dict[str, Mass]:
+        """Masses without counterweights, with screws."""
+        return {body: plain.get(body, Mass(0.0)) + screws.get(body, Mass(0.0)) for body in {**plain, **screws}}
+
+    screws = fastener_masses(fine_motion, stock, stack)
+    before = forces_of(bodies(screws))
+    pivots, ends = fixed_pivots(before.motion.linkage, table.bodies), dict[str, RoundEnd]()
+    max_mass = stock.material.density * 1e-9 * stock.thickness * np.pi * table.largest_radius**2
+    for _ in range(ROUNDS):
+        analysis = forces_of(bodies(screws))
+        try:
+            best = balance(
+                analysis.motion, analysis.loads, table.bodies, table.objective, max_mass=max_mass,
+                max_radius=table.distance, measure=table.measure,
+            ).counterweights  # fmt: skip
+        except DesignError as error:
+            raise error.named("loads.counterweights") from None
+        moments = {body: complex(mass.mass * (mass.centre - pivots[body])) for body, mass in best.items() if mass.mass}
+        radii = {body: float(np.abs(mass.centre - pivots[body])) for body, mass in best.items()}
+        ends = {
+            body: round_end(plates[body], stock, stock.material, pivots[body], moment, radii[body])
+            for body, moment in moments.items()
+        }
+        earlier, screws = screws, fastener_masses(fine_motion, stock, stack_with_ends(fine_motion, stock, ends))
+        if screws == earlier:
+            break
+    return BalancedPlates(table, ends, before)
+
+
+# Frames of a turn between which inertia and loads are interpolated.
+FRAMES = 721
+# The run is integrated in pieces of about a quarter turn, each in so many time steps; a run may have so many pieces for
+# each turn before it counts as stalled.
+PIECE, STEPS, MOST_PIECES = np.pi / 2, 250, 50
+# Time of the first look at the acceleration, s.
+FIRST_LOOK = 1e-6
+# Largest error of the energy of a run, as a share of it.
+MOST_ENERGY_ERROR = 1e-5
+
+
+@record(checked=True)
+class RunTable:
+    """A run of a linkage under a torque or a motor, in a recipe."""
+
+    torque_n_mm: float | None = quantity(
+        "constant torque on the driver; by default that of the motor, a direct-current one at full voltage", "N mm",
+        default=None, at_least=-FARTHEST, at_most=FARTHEST, example=300,
+    )  # fmt: skip
+    start_rpm: float = quantity("speed of the driver at the start", "rpm", default=0.0, at_least=0, at_most=1e6)
+    turns: int = quantity(
+        "number of turns; table and plots have the last one", default=1, at_least=1, at_most=50, whole=True
+    )
+
+    def check(
+        self, linkage: Linkage, input_range: Turn | Stroke, motor: Motor | None, has_friction: bool, has_copies: bool
+    ) -> None:
+        """DesignError with the key of what a run cannot have. motor: given or mounted."""
+        if linkage.driver_pivot is None:
+            problem = "is given, but the driver turns on no fixed shaft"
+            raise DesignError("loads.run", problem, "omit it, or let a body on a fixed pivot drive", "conflict")
+        if not (isinstance(input_range, Turn) and is_whole_turn(input_range) and input_range.speed_rpm > 0):
+            problem = "is given, but the range of the drive is no whole turn forwards"
+            raise DesignError("loads.run", problem, "let the driver turn from 0 to 360 deg, or omit run", "conflict")
+        if has_friction:
+            problem = "is given with dry friction, which a run does not consider"
+            raise DesignError("loads.run", problem, "give viscous friction only", "conflict")
+        if has_copies:
+            raise DesignError("loads.run", "is given for a linkage with copies", "omit copies or run", "conflict")
+        if self.torque_n_mm is None and (motor is None or motor.constant_torque):
+            problem = "is missing" if motor is None else f"is missing, and the {motor.name} moves step by step"
+            raise DesignError(
+                "loads.run.torque_n_mm", problem, "give it, or a direct-current motor in loads.motor", "missing-key"
+            )
+
+
+@record(eq=False)
+class LinkageRun:
+    """A run: time, s, and speed of the driver, rad/s, at the frames of its last turn; nan where it does not get.
+
+    mean_speeds: of each turn that it completes, rad/s. energy_error: as of `ForwardMotion`. extremes: least and largest
+    speed of the last turn, at all time steps; nan if it does not get there.
+    """
+
+    time: Real
+    speed: Real
+    mean_speeds: tuple[float, ...]
+    energy_error: float
+    turns: int
+    extremes: tuple[float, float]
+
+    @property
+    def columns(self) -> Iterator[Column]:
+        """Time and speed of the last turn."""
+        yield Column("run_time", "s", "time since the start of the run", self.time)
+        yield Column("run_speed", "rad/s", "speed of the driver in the last turn of the run", self.speed)
+
+    @property
+    def plots(self) -> tuple[Plot, ...]:
+        """The speed over the driver's angle."""
+        return (Plot("speed of the run", ("run_speed",)),)
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Checks that all turns are completed, and that energy is kept."""
+        weak = "give a stronger motor, more torque or a larger start_rpm"
+        unsteady = "give a smaller torque or start_rpm, or masses to light bodies"
+        return (
+            Check("run_turns", "turns completed", len(self.mean_speeds), "at least", self.turns, "", weak, "run_speed"),
+            Check(
+                "run_energy", "energy error of the run", self.energy_error, "at most", MOST_ENERGY_ERROR, "", unsteady
+            ),
+        )
+
+    @property
+    def summary(self) -> Mapping[str, object]:
+        """Mean speed of each turn, fluctuation of the last one, and the error of the energy."""
+        least, largest = self.extremes
+        mean = (largest + least) / 2
+        return {
+            "mean_speeds_rpm": [to_digits(speed / RPM) for speed in self.mean_speeds],
+            "fluctuation": to_digits((largest - least) / mean) if mean > 0 else None,
+            "energy_error": to_digits(self.energy_error, 3),
+        }
+
+
+def linkage_run(table: RunTable, motion: Motion, loads: Loads, motor: Motor | None) -> LinkageRun:
+    """The run of a linkage; motion: over the frames of the last turn."""
+    torque = motor if table.torque_n_mm is None else table.torque_n_mm
+    frames = motion.drive
+    turn = move(motion.linkage, np.linspace(frames.min(), frames.max(), FRAMES), motion.solution.spec)
+    start, turned = float(turn.drive[0]), float(np.ptp(turn.drive))
+    if not all(np.isfinite(body.first[0]) for body in turn.bodies.values()):
+        problem = f"found a run from {np.degrees(start):g} deg, where the linkage is open or its driver at a limit"
+        raise DesignError("drive.start_deg", problem, "give another start_deg, or other lengths", "conflict")
+    pieces = list(_pieces(table, turn, loads, torque, start + table.turns * turned))
+    time, drive, speed = (
+        np.concatenate([getattr(piece, name) for piece in pieces]) for name in ("time", "drive", "speed")
+    )
+    # Until the driver stands still or turns back.
+    going = np.logical_and.accumulate((np.diff(drive, prepend=drive[0]) >= 0) & (speed >= 0))
+    time, drive, speed = time[going], drive[going], speed[going]
+    wanted = frames - frames.min() + start + (table.turns - 1) * turned
+    # The square of the speed is smooth over the drive, also at the start from rest.
+    squared = np.interp(wanted, drive, speed**2, left=np.nan, right=np.nan)
+    last = np.append(speed[drive >= wanted.min()], np.sqrt(squared[np.isfinite(squared)]))
+    ends = np.interp(start + turned * np.arange(table.turns + 1), drive, time, right=np.nan)
+    means = turned / np.diff(ends)
+    return LinkageRun(
+        np.interp(wanted, drive, time, left=np.nan, right=np.nan),
+        np.sqrt(squared),
+        tuple(means[np.isfinite(means)].tolist()),
+        max(piece.energy_error for piece in pieces),
+        table.turns,
+        (float(last.min()), float(last.max())) if last.size else (np.nan, np.nan),
+    )
+
+
+def _pieces(table: RunTable, turn: Motion, loads: Loads, torque: object, end: float) -> Iterator[ForwardMotion]:
+    """Consecutive pieces of a run until the driver is at `end` or stops, timed from the start."""
+    drive, speed, time = float(turn.drive[0]), RPM * table.start_rpm, 0.0
+    acceleration = float(forward_dynamics(turn, loads, torque, speed, FIRST_LOOK, 1).acceleration[0])
+    for _ in range(MOST_PIECES * table.turns):
+        rising = max(acceleration, 0.0)
+        rests = rising == speed == 0
+        duration = 1.0 if rests else 2 * PIECE / (speed + np.sqrt(speed**2 + 2 * rising * PIECE))
+        piece = forward_dynamics(turn, loads, torque, speed, duration, STEPS, drive)
+        yield replace(piece, time=time + piece.time)
+        drive, speed, acceleration = (float(z[-1]) for z in (piece.drive, piece.speed, piece.acceleration))
+        time += float(piece.time[-1])
+        if drive >= end or (piece.speed < 0).any() or len(piece.time) <= STEPS or rests:
+            return

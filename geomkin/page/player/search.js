@@ -1,0 +1,29 @@
+// Search by words among elements with `data-words`, such as the cards of a gallery.
+
+// Words of a wish that say nothing about a mechanism, and endings that are left out.
+const FILLERS = new Set("a an and are as at be by can for from have i in into is it its mechanism need of on one or some something someone that the thing this to want which with".split(" "));
+const ENDINGS = ["ing", "ed", "es", "s"], STEM = 4;
+
+const wordsOf = (text) => text.toLowerCase().match(/[\p{L}\p{N}]+/gu) ?? [];
+
+function stem(word) {
+  const ending = ENDINGS.find((end) => word.endsWith(end) && word.length - end.length >= STEM) ?? "";
+  return word.slice(0, word.length - ending.length);
+}
+
+// Shows the elements in `root` that have all words of a wish or, if none has, most of them; hides the headings of lists
+// without any; `lists`: what has a heading before it; `said`: the element that states that no element has all words.
+export function narrow(root, wish, lists, said) {
+  const cards = [...root.querySelectorAll("[data-words]")], all = wordsOf(wish), telling = all.filter((word) => !FILLERS.has(word));
+  const wanted = (telling.length ? telling : all).map(stem);
+  const counts = cards.map(({ dataset: { words } }) => {
+    const known = wordsOf(words);
+    // A short word is a whole one.
+    return wanted.filter((word) => known.some((other) => (word.length < 3 ? other === word : other.startsWith(word)))).length;
+  });
+  const most = Math.max(0, ...counts), isFound = !wanted.length || most > wanted.length / 2;
+  cards.forEach((card, k) => { card.hidden = !isFound || counts[k] < most; });
+  for (const list of root.querySelectorAll(lists)) list.previousElementSibling.hidden = !list.querySelector("[data-words]:not([hidden])");
+  said.hidden = most === wanted.length;
+  said.textContent = `Nothing has all of these words${isFound ? "; these have most of them" : ""}.`;
+}

@@ -1,1 +1,0 @@
-"""Recipe of ratchets."""
