@@ -63,7 +63,7 @@ export class Tools {
     this.stated = make(line, "b");
     this.about = make(line, "span", { id: "tool-about" });
     // Tools that have pointer and keys for themselves.
-    this.own = { pose: new Poses(this), photo: new Photo(this, row) };
+    this.own = { pose: new Poses(this, row), photo: new Photo(this, row) };
     this.dialog = document.getElementById("rename-dialog");
     this.motors = document.getElementById("motor-dialog");
   }
@@ -126,13 +126,11 @@ export class Tools {
   // Lets the layer take the pointer, and for a tool with keys the focus.
   setActive() {
     const { layer, tool, own } = this, hasKeys = this.isActive && tool in own;
-    document.body.classList.toggle("posing", this.isActive && tool === "pose");
-    own.photo.buttons.hidden = tool !== "photo";
+    for (const each of Object.values(own)) each.update();
     if (!layer) return;
     layer.classList.toggle("active", Boolean(this.isActive));
     const attributes = { tabindex: 0, role: "application", "aria-label": TOOLS[tool][0], "aria-describedby": "tool-about" };
     for (const [name, value] of Object.entries(attributes)) if (hasKeys) layer.setAttribute(name, value); else layer.removeAttribute(name);
-    own.photo.update();
   }
 
   get isActive() { return this.shafts || (!this.root.hidden && this.tool !== "move"); }
