@@ -109,6 +109,7 @@ export class Poses {
     this.update();
     const more = LEAST - this.kept.length;
     if (!isEnough) { editor.announce(`${more} more ${more > 1 ? "poses" : "pose"}`); return; }
+    editor.announce("");
     editor.replaceBy({ draw: { poses: this.kept.map(({ at, arm }) => [...at, atan2(arm[1], arm[0]) * 180 / PI]), step: 1 / drawing.s } });
   }
 

@@ -35,7 +35,7 @@ const TOOLS = {
   motor: ["Motor", "Click the body that a motor drives, and choose the motor.", ["body"]],
   delete: ["Delete", "Click a point, a slide, a force, a spring or a body.", ["point", "slide", "load", "body"]],
   path: ["Path", "Draw the path that a linkage is to follow, or drop an SVG drawing: known linkages appear, then the search begins."],
-  pose: ["Pose", "Click where the body is to be, three times or more; draw outwards to turn it. Drag the handles of a pose to move and turn it."],
+  pose: ["Pose", "Click three or more places of a body; draw outwards to turn it. Drag the handles of a pose."],
   photo: ["Picture", "Choose or drop a picture to trace: drag it, or a corner of it; give the true length of something in it; then draw a path over it."],
   rename: ["Name", "Click a point, a slide or a body, and type its name.", ["point", "slide", "body"]],
 };
