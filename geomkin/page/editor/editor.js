@@ -188,6 +188,7 @@ class Editor {
     Object.assign(this, { draft: `${Date.now()}`, firstText: text, drawnText: null });
     this.locks.clear();
     this.tools.own.photo.remove();
+    this.tools.own.pose.forget();
     for (const id of ["conflict", "candidates", "known"]) at(id).hidden = true;
     this.askAnew();
   }
