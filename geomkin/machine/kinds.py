@@ -308,19 +308,24 @@ class MachineRecipe(AbstractAssembledRecipe):
         return (*own, *(self.torques.walking.remarks if self.torques.walking else ()))
 
     @property
+    def _period(self) -> str:
+        turns = self.graph.period
+        return f"{turns} turn{'s' if turns != 1 else ''} of the driver"
+
+    @property
     def facts(self) -> tuple[str, ...]:
         """The speed of each mechanism and the period."""
         speeds = (f"{name} {speed}" for name, speed in self.graph.speeds.items())
         return (
             f"rotations for one of the driver: {', '.join(speeds)}",
-            f"the motion repeats after {self.graph.period} turns of the driver",
+            f"the motion repeats after {self._period}",
         )
 
     @property
     def quantities(self) -> Mapping[str, str]:
         """The period and the speed of each mechanism."""
         speeds = {f"speed of {name}": f"{speed} of the driver's" for name, speed in self.graph.speeds.items()}
-        return {"period": f"{self.graph.period} turns of the driver", **speeds}
+        return {"period": self._period, **speeds}
 
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:

@@ -134,7 +134,7 @@ export class Handles {
       this.player.play(false);
     });
     root.addEventListener("pointerleave", () => {
-      if (isStopped) this.player.play(true);
+      if (isStopped && !this.editor.tools.isActive) this.player.play(true);
       isStopped = false;
     });
   }

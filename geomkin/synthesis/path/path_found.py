@@ -109,9 +109,9 @@ class PathFound(Found):
 
     @property
     def accuracy(self) -> str:
-        """Number of bars, and the largest distance as a share of the size of the path."""
+        """The largest distance as a share of the size of the path."""
         size = _diagonal(self.points)
-        return f"{self.bars} bars, {100 * self.largest_distance / size:.2g} % off, " if size else ""
+        return f"{100 * self.largest_distance / size:.2g} % off, " if size else ""
 
     @property
     def remarks(self) -> tuple[str, ...]:
