@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
@@ -15,7 +14,7 @@ from .core.errors import DesignError, GeomkinError, Problem, RecipeError, harmle
 from .core.fields import to_digits
 from .core.names import PathName, file_name_flaw
 from .core.records import record
-from .core.units import START, UNITS, marked
+from .core.units import UNITS
 from .export.cut import LayerStyles
 from .export.files import remove, write_whole
 from .export.formats import WRITERS, format_of, tail_of
@@ -26,6 +25,7 @@ from .model.part import Part
 from .model.table import Table
 from .recipe import load as reading
 from .recipe.load import to_toml
+from .recipe.messages import of_default
 from .recipe.recipe import SHARED, AbstractGoal, AbstractRecipe
 from .recipe.settings import Files, Format
 from .recipe.shown import ShownRecipe
@@ -435,11 +435,7 @@ def errors_named_by_key(file: str, recipe: AbstractRecipe) -> Iterator[None]:
         yield
     except DesignError as error:
         key = _key(recipe, error.field)
-        problem = (
-            re.sub(rf"^found (?=[-+\d{START}])", "found the default of ", marked(error.problem))
-            if _is_default(recipe, key)
-            else error.problem
-        )
+        problem = of_default(error.problem) if _is_default(recipe, key) else error.problem
         problems = reading.in_unit(
             [Problem(key, problem, error.remedy, error.id, error.value)], type(recipe), UNITS[recipe.units]
         )
@@ -470,6 +466,9 @@ def _is_default(recipe: AbstractRecipe, key: str) -> bool:
     table: object = recipe
     default: object = dataclasses.MISSING
     for name in key.split("."):
+        if isinstance(table, Mapping) and name in table:
+            default, table = dataclasses.MISSING, table[name]
+            continue
         named = {f.name: f for f in dataclasses.fields(table)} if dataclasses.is_dataclass(table) else {}
         if name not in named:
             return False

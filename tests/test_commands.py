@@ -172,6 +172,19 @@ def test_new_prints_a_recipe_of_the_gallery_by_its_name(name):
     assert result.exit_code == 0 and gk.load(result.output).design == gk.load(GALLERY / f"{name}.toml").design
 
 
+@pytest.mark.parametrize("name", ["geared-legs", "table-cam", "pressed-gear", "traced-eight", "klann"])
+def test_new_names_the_files_that_a_recipe_of_the_gallery_reads(command, tmp_path, name):
+    code, text, wrong = command("new", name)
+    files = [file for folder in (".", "workshop") for file in (GALLERY / folder).iterdir() if file.is_file()]
+    named = [file for file in map(str, (file.relative_to(GALLERY) for file in files)) if f" {file}" in wrong]
+    assert code == 0 and bool(named) == bool(wrong) == (name != "klann")
+    for file in named:
+        (tmp_path / file).parent.mkdir(exist_ok=True)
+        (tmp_path / file).write_bytes((GALLERY / file).read_bytes())
+    (tmp_path / "own.toml").write_text(text)
+    assert gk.load(tmp_path / "own.toml").design == gk.load(GALLERY / f"{name}.toml").design
+
+
 @pytest.mark.parametrize(
     "name, recipes",
     [

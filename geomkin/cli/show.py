@@ -167,7 +167,7 @@ def list_command(words: tuple[str, ...]) -> None:
 def new(name: str, options: tuple[str, ...]) -> None:
     """Print a recipe of a KIND with every key explained, or a RECIPE of the gallery by its name, such as klann.
 
-    The recipe runs without changes; files that it names are in the gallery.
+    The recipe runs without changes. Files that a recipe of the gallery reads are named on the standard error.
     """
     from ..core.errors import printable
     from ..recipe.kinds import gallery, kind_names, recipe_class
@@ -179,7 +179,7 @@ def new(name: str, options: tuple[str, ...]) -> None:
 
         folder, recipes = gallery()
         if f"{name}.toml" in recipes and not options:
-            return click.echo((folder / f"{name}.toml").read_text("utf-8"), nl=False)
+            return _print_from_gallery(folder, name)
         kinds = kind_names()
         remedy = f"{nearest_kind(name, kinds)}choose from {', '.join(kinds)}, or search with `geomkin list WORD`"
         raise click.BadParameter(f"unknown kind {printable(name)!r}; {remedy}") from None
@@ -188,6 +188,20 @@ def new(name: str, options: tuple[str, ...]) -> None:
     with option_errors("--with"):
         text = template(recipe, options)
     click.echo(text, nl=False)
+
+
+def _print_from_gallery(folder: Path, name: str) -> None:
+    """Print a recipe of the gallery, and on the standard error the names of the files that it reads."""
+    from ..core.errors import printable
+    from ..studio.workspace import Workspace
+
+    text = (folder / f"{name}.toml").read_text("utf-8")
+    click.echo(text, nl=False)
+    if files := sorted(map(printable, Workspace(folder).files_of(text))):
+        place = printable(folder, 200)
+        click.echo(
+            f"the recipe reads {' and '.join(files)}: copy {'them' if files[1:] else 'it'} from {place}", err=True
+        )
 
 
 @click.command("schema")

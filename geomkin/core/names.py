@@ -122,6 +122,14 @@ def is_visible(text: object) -> bool:
 VisibleText = Annotated[str, ArgumentType(is_visible, "a text of visible signs in one line", (str,))]
 
 
+def is_name(text: object) -> bool:
+    """Whether a value is a visible text that is not empty."""
+    return is_visible(text) and bool(str(text).strip())
+
+
+VisibleName = Annotated[str, ArgumentType(is_name, "a text of visible signs in one line, not empty", (str,))]
+
+
 def file_name_flaw(name: str) -> str:
     """The reason why a name does not make one visible file in its folder on any system; empty if it does.
 

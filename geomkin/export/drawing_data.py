@@ -214,7 +214,7 @@ def _involute_data(job: Job, part: Part, measures: Mapping[str, Any]) -> list[tu
         if f"tool_{key}_radius" in measures:
             rows.append((f"{words} of the {tool}", size(measures[f"tool_{key}_radius"])))
     rows += [(key.replace("_", " "), size(measures[key])) for key in ("tip_rounding", "tip_chamfer") if key in measures]
-    return [*rows, *_mates(job, part), ("accuracy", harmless(job.title.general_tolerance or "not stated"))]
+    return [*rows, *_mates(job, part), ("accuracy class", harmless(job.title.general_tolerance or "not stated"))]
 
 
 def _mates(job: Job, part: Part) -> Iterator[tuple[str, str]]:

@@ -19,6 +19,7 @@ from ..model.check import Check, WorkedFormula, WorkedFormulas
 from ..model.motor import RotatingBody
 from ..model.scene import Plot, Scene, SceneCurve, SceneHandle, SceneMark, circle_handle, dimension, point_handle
 from ..model.table import Column, Table
+from ..model.thin_features import OF_KERF
 from ..plane.primitives import Circle
 from ..plane.vec import Real
 from ..recipe.aspect import AbstractAspect
@@ -32,6 +33,9 @@ from .wheel import GenevaWheel
 MOST_ACCELERATION = 6.0
 # Largest play of the locked wheel to either side, deg; chosen here.
 MOST_PLAY = 0.5
+# Least width of the wheel's tips as a share of the sheet's thickness; chosen here. It is below that of walls, since the
+# sides of a tip are parallel only beside the mouth of its slot, and the tip widens inwards.
+LEAST_TIP = 1 / 3
 # Frames of the drawing for each turn of the crank, and in total.
 FRAMES_PER_TURN, FRAMES = 90, 360
 
@@ -161,6 +165,7 @@ class GenevaRecipe(AbstractPlatesRecipe):
         wheel, room = self.geneva, self.plates.arm_room
         play = float(np.degrees(wheel.lock_play))
         most = wheel.clearance * MOST_PLAY / play if play else wheel.clearance
+        thinnest = max(LEAST_TIP * self.stock.thickness, OF_KERF * self.files.kerf)
         return (
             Check(
                 "indexing_acceleration", "largest acceleration of the wheel, over the square of the crank's speed",
@@ -173,6 +178,10 @@ class GenevaRecipe(AbstractPlatesRecipe):
             Check(
                 "arm_room", "distance of the crank from the collar on the wheel's shaft", room, "at least", 0, "mm",
                 "give a larger geneva.distance, or a smaller stock.wheel_bore or stock.edge",
+            ),
+            Check(
+                "tip_width", "width of the wheel's tips", wheel.tip_width, "at least", thinnest, "mm",
+                "give a larger geneva.tip_width or geneva.distance, or a smaller stock.thickness",
             ),
         )  # fmt: skip
 

@@ -308,24 +308,23 @@ class MachineRecipe(AbstractAssembledRecipe):
         return (*own, *(self.torques.walking.remarks if self.torques.walking else ()))
 
     @property
-    def _period(self) -> str:
-        turns = self.graph.period
-        return f"{turns} turn{'s' if turns != 1 else ''} of the driver"
-
-    @property
     def facts(self) -> tuple[str, ...]:
         """The speed of each mechanism and the period."""
         speeds = (f"{name} {speed}" for name, speed in self.graph.speeds.items())
         return (
             f"rotations for one of the driver: {', '.join(speeds)}",
-            f"the motion repeats after {self._period}",
+            f"the motion repeats after {self._period} of the driver",
         )
 
     @property
     def quantities(self) -> Mapping[str, str]:
         """The period and the speed of each mechanism."""
         speeds = {f"speed of {name}": f"{speed} of the driver's" for name, speed in self.graph.speeds.items()}
-        return {"period": self._period, **speeds}
+        return {"period": f"{self._period} of the driver", **speeds}
+
+    @property
+    def _period(self) -> str:
+        return f"{self.graph.period} turn{'s' if self.graph.period != 1 else ''}"
 
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:

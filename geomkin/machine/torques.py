@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..core.errors import DesignError
 from ..core.fields import to_digits
 from ..core.records import record
 from ..making.motors import motor_check, motor_summary, nearest_motor, power_summary, smallest_motor
@@ -167,7 +168,13 @@ class MachineTorques:
 
     @property
     def checks(self) -> Iterator[Check]:
-        """Whether the motor on the driver supplies the torque."""
+        """Whether the motor on the driver supplies the torque; DesignError for a flywheel of an unknown size."""
+        if self.speed_fluctuation is not None and not np.isfinite(self.flywheel_inertia):
+            problem = "is given, but no mechanism has loads that change the speed"
+            if self.duty is not None:
+                problem = "is given, but the torque is unknown at positions that a mechanism does not reach"
+            remedy = "give a mechanism the table loads, such as mechanisms.NAME.recipe.loads, or omit it"
+            raise DesignError("drive.speed_fluctuation", problem, remedy, "conflict")
         motor, duty = self.motor, self.duty
         if motor is not None and duty is not None:
             at = float(np.degrees(duty.angle[np.nanargmax(np.abs(duty.torque))]))

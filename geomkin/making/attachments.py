@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core.errors import DesignError
 from ..core.fields import FARTHEST, ComplexPoint, entry, quantity
+from ..core.names import VisibleName
 from ..core.records import record
 from ..core.units import mm
 from ..model.part import HoleFit
@@ -32,7 +33,7 @@ class Attachment:
         If it has screws on a circle without a diameter, or a diameter without screws, or two of its holes meet.
     """
 
-    name: str = entry("what is attached, for the bill and the assembly steps", example="hub with a set screw")
+    name: VisibleName = entry("what is attached, for the bill and the assembly steps", example="hub with a set screw")
     holes: tuple[ComplexPoint, ...] = entry(
         "positions of its screws, [x, y] in mm from its middle; by default one in the middle, unless it has bolts",
         default=(),

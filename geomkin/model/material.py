@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core.arguments import AnyFloat, PositiveFloat, checked
 from ..core.fields import FARTHEST, ComplexOrArray, FloatOrArray, entry, quantity
-from ..core.names import VisibleText
+from ..core.names import VisibleName, VisibleText
 from ..core.records import record
 from ..plane.vec import Real
 
@@ -50,7 +50,7 @@ class Material:
     60
     """
 
-    name: VisibleText = entry("name of the material", example="oak")
+    name: VisibleName = entry("name of the material", example="oak")
     density: float = quantity("density", "kg/m3", above=0, at_most=30_000, example=700)
     modulus: float | None = quantity("modulus of elasticity", "N/mm2", default=None, above=0, at_most=1e7)
     poisson_ratio: float = quantity("Poisson's ratio", default=0.3, at_least=0, at_most=0.5)

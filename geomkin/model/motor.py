@@ -12,7 +12,7 @@ import numpy as np
 from ..core.arguments import AnyFloat, ArgumentType, checked, numbers
 from ..core.errors import DesignError
 from ..core.fields import FARTHEST, entry, inside, quantity
-from ..core.names import VisibleText
+from ..core.names import VisibleName, VisibleText
 from ..core.records import record
 from ..core.units import mm
 from ..plane.vec import Real, without_rounding
@@ -159,7 +159,7 @@ class Motor:
     500.0
     """
 
-    name: VisibleText = entry("name of the motor", example="gear motor 12 V")
+    name: VisibleName = entry("name of the motor", example="gear motor 12 V")
     torque_n_mm: float = quantity("greatest torque", "N mm", above=0, at_most=1e12, example=1000)
     speed_rpm: float = quantity(
         "speed without load, or the largest speed of a motor of constant torque", "rpm", above=0, at_most=1e6,
@@ -314,7 +314,7 @@ class LinearActuator:
     [200.0, 100.0, 0.0]
     """
 
-    name: str = entry("name of the actuator", example="linear actuator 12 V")
+    name: VisibleName = entry("name of the actuator", example="linear actuator 12 V")
     force_n: float = quantity("largest force that it moves", "N", above=0, at_most=1e12, example=200)
     no_load_speed: float = quantity("speed without load", "mm/s", above=0, at_most=1e6, example=20)
     full_load_speed: float = quantity("speed with the largest force", "mm/s", at_least=0, at_most=1e6, example=10)

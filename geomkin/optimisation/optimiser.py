@@ -17,14 +17,18 @@ from ..build import Readable, valid_recipe_name
 from ..core.arguments import ArgumentType, PositiveFloat, checked, is_real, whole_between
 from ..core.errors import DesignError, printable, shown
 from ..core.field_visitor import key_parts, texts_by_key
+from ..core.fields import allowed
 from ..core.names import PathName
 from ..core.processes import Runner, by
 from ..core.processes import report as report_progress
 from ..core.records import record
+from ..core.units import MM, UNITS, marked
 from ..export.files import write_whole
 from ..model.check import Check
 from ..recipe.keys import VariedRecipe, varied
+from ..recipe.kinds import recipe_class
 from ..recipe.load import shown_numbers, to_toml
+from ..recipe.messages import field_of
 from ..recipe.recipe import AbstractRecipe
 from .designs import NO_VIOLATION, Target, Trials, TriedDesign, objective, parsed_constraint
 from .front import MOST_OBJECTIVES, FrontDesign, ParetoFront, front_of, write_front
@@ -258,6 +262,7 @@ def _optimised(
         raise DesignError("minimise", "found none", remedy, "missing-key")
     ranges = {key: _range(key, pair) for key, pair in vary.items()}
     source.check_keys({key: pair[0] for key, pair in ranges.items()})
+    _check_limits(source, ranges)
     constraints = [subject_to] if isinstance(subject_to, str) else subject_to or ()
     objectives = [objective(text) for text in ([minimise] if isinstance(minimise, str) else minimise)]
     is_single = isinstance(minimise, str)
@@ -298,6 +303,18 @@ def _range(key: str, pair: Sequence[float]) -> tuple[float, float]:
     if not low < high:
         raise DesignError(key, f"found the range {low:g} to {high:g}", "give the smaller value first")
     return low, high
+
+
+def _check_limits(source: VariedRecipe, ranges: Mapping[str, tuple[float, float]]) -> None:
+    """DesignError for a range with values that a key never has, such as negative lengths."""
+    unit = UNITS.get(str(source.recipe.get("units")), MM)
+    for key, pair in ranges.items():
+        declared = field_of(key, recipe_class(source.recipe["kind"]))
+        about = declared.about if declared else {}
+        low, high = (unit.in_mm(value, about.get("unit", "")) for value in pair)
+        if low < about.get("gt", about.get("ge", -math.inf)) or high > about.get("lt", about.get("le", math.inf)):
+            problem = f"found the range {pair[0]:g} to {pair[1]:g}"
+            raise DesignError(key, problem, f"give limits that are {marked(allowed(about))}", "out-of-range")
 
 
 def _boxes(own: Mapping[str, float], ranges: Mapping[str, tuple[float, float]]) -> list[Box]:

@@ -8,7 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ..core.fields import FARTHEST, quantity
+from ..core.errors import DesignError
+from ..core.fields import FARTHEST, inside, quantity
 from ..core.records import record
 from ..core.units import mm
 from ..making.assembly import (
@@ -22,11 +23,11 @@ from ..making.assembly import (
     seated,
     standing_plate,
 )
-from ..making.bores import AbstractBored, bore, clearance, fits_of, shaft
+from ..making.bores import AbstractBored, bore, clearance, fits_of, shaft, widened
 from ..model.part import Part
 from ..model.scene import SceneBody
 from ..plane.vec import Complex, Real
-from .wheel import Ratchet
+from .wheel import POSITIONS, Ratchet
 
 
 @record(checked=True)
@@ -71,6 +72,20 @@ class RatchetPlates:
     ratchet: Ratchet
     stock: RatchetStock
     base: BaseStock
+
+    def check(self) -> None:
+        """DesignError if the spring's pin in the base meets the pawl, which turns in the same layer."""
+        stock = self.stock
+        if not stock.spring:
+            return
+        # The round end of the pawl about its hook comes nearest to that pin.
+        least = (self.ratchet.pawl_width + widened(stock.spring_pin, stock.clearance)) / 2
+        room = float(self.spring_length(self.ratchet.pitch * np.linspace(0, 1, POSITIONS)).min()) - least
+        if room <= 0:
+            problem = f"found {mm(stock.spring):g}, at which the spring's pin in the base meets the pawl"
+            enough = stock.spring - room
+            remedy = f"give more than {mm(enough):up}, or 0 for no spring"
+            raise DesignError("stock.spring", problem, remedy, "conflict", inside(enough, -1))
 
     @property
     def post(self) -> complex:

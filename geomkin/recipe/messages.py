@@ -10,7 +10,7 @@ from typing import Any
 from ..core.errors import Problem, printable
 from ..core.field_visitor import DeclaredField, fields_of, key_parts, kind_of
 from ..core.fields import allowed
-from ..core.units import PLURAL, marked, unit_name
+from ..core.units import PLURAL, START, marked, unit_name
 
 NUMBER = re.compile(r"\s*([+-]?(?:\d[\d_]*[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_]{0,12}|°|%|\"|')\s*")
 # One `key = value` of a line, if the value is neither a text, a list nor a table.
@@ -20,7 +20,7 @@ LONGEST_LINE = 1000
 WORD = re.compile(r"[^\W_]+")
 # Topics that recipes do not cover, and the words in unknown keys that refer to each.
 UNSUPPORTED = {
-    "friction and wear": "friction wear efficiency lubrication lubricant damping",
+    "friction and wear": "friction wear efficiency efficiencies lubrication lubricant damping",
     "strength and deformation": "stress stresses strength hardness fatigue stiffness deflection",
     "forces, torques and power": "force forces torque torques load loads payload power gravity weight mass inertia",
     "springs": "spring springs",
@@ -152,6 +152,21 @@ def _unsupported(key: object) -> str:
     return next((topic for topic, signs in UNSUPPORTED.items() if words & set(signs.split())), "")
 
 
+def _nearest_of(topic: str, recipe: type) -> str:
+    """The start of a remedy that names the key of a recipe that covers a topic; "" if it has none."""
+    for word in UNSUPPORTED[topic].split():
+        if word in fields_of(recipe):
+            return f"nearest to it is {word}, above the first [table]; "
+        if headings := _homes(recipe, word):
+            return f"nearest to it is {word} under {headings[0][0]}; "
+    return ""
+
+
+def of_default(problem: str) -> str:
+    """A problem of a key that was not written: it was found to have its default."""
+    return re.sub(rf"^found (?=[-+\d{START}])", "found the default of ", marked(problem))
+
+
 def unknown_key(name: str, key: str, table: type, recipe: type, is_shown: bool) -> Problem:
     """The problem of a key that a table does not have. Similar names are only searched for if the problem is shown."""
     known = list(fields_of(table))
@@ -175,7 +190,8 @@ def unknown_key(name: str, key: str, table: type, recipe: type, is_shown: bool) 
     elif (is_load or name == "loads") and not near and "mechanisms" in fields_of(recipe):
         near = "it belongs in the recipe of a mechanism, under [mechanisms.NAME.recipe.loads]; "
     elif not near and (topic := _unsupported(name)):
-        problem = f"unknown key: recipes of this kind do not cover {topic}"
+        near = _nearest_of(topic, recipe)
+        problem = problem if near else f"unknown key: recipes of this kind do not cover {topic}"
     return Problem(key, problem, near + remedy, "unknown-key")
 
 

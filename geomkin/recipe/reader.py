@@ -10,9 +10,9 @@ from ..core.arguments import PLAIN, ArgumentType, found_value, is_endless, numbe
 from ..core.errors import MOST_SHOWN, DesignError, Problem, ProblemId, printable, shown
 from ..core.field_visitor import ROWS, DeclaredField, TypeShape, fields_of, item_shape, kind_of
 from ..core.fields import Coordinate, point_of, quantity_fits, refusal_id
-from ..core.names import Folder, is_visible
+from ..core.names import Folder, is_name
 from ..core.units import marked
-from .messages import allowed_value, did_you_mean, joined_key, number_meant, table_remedy, unknown_key
+from .messages import allowed_value, did_you_mean, joined_key, number_meant, of_default, table_remedy, unknown_key
 
 # In place of a value that is refused.
 WRONG: Any = object()
@@ -63,13 +63,14 @@ class _TableReader:
                 inner = _inside(key, printable(name, 60) or '""')
                 self.problems.append(unknown_key(str(name), inner, table, self.recipe, len(self.problems) < MOST_SHOWN))
                 values[name] = WRONG
-        return WRONG if any(value is WRONG for value in values.values()) else self.made(table, values, key)
+        return WRONG if any(value is WRONG for value in values.values()) else self.made(table, values, key, given)
 
-    def made(self, table: type, values: Mapping[str, Any], key: str) -> Any:
+    def made(self, table: type, values: Mapping[str, Any], key: str, given: Mapping[str, Any]) -> Any:
         try:
             return table(**values)
         except DesignError as error:
-            return self.refuse_by(error, key)
+            problem = error.problem if _is_written(given, error.field) else of_default(error.problem)
+            return self.refuse_by(DesignError(error.field, problem, error.remedy, error.id, error.value), key)
 
     def missing(self, key: str, declared: DeclaredField) -> Any:
         choices = " or ".join(map(str, declared.shape.choices))
@@ -109,7 +110,7 @@ class _TableReader:
             if isinstance(given, option):
                 return given
             rows = self.value(given, fields_of(option)[ROWS].shape, key, declared)
-            return rows if rows is WRONG else self.made(option, {ROWS: rows, "folder": self.folder}, key)
+            return rows if rows is WRONG else self.made(option, {ROWS: rows, "folder": self.folder}, key, {ROWS: rows})
         if tables:
             return self.table(given, tables, key, declared)
         if option is complex:
@@ -119,6 +120,8 @@ class _TableReader:
             return self.number(given, option, shape.mark or PLAIN[option], key, declared)
         if option is bool and not isinstance(given, bool):
             return self.refuse(key, f"found {shown(given)}", f"give true or false: {allowed_value(declared.about)}")
+        if option is str and isinstance(given, str) and not given.strip() and declared.default != "":
+            return self.wrong(given, key, declared, "out-of-range")
         return given if isinstance(given, option) else self.wrong(given, key, declared)
 
     def choice(self, given: Any, choices: Sequence[Any], key: str) -> Any:
@@ -171,8 +174,8 @@ class _TableReader:
         keys = {name: _inside(key, printable(name, 60) or '""') for name in given}
         values = {name: self.value(item, item_shape(hint), keys[name], declared) for name, item in given.items()}
         for name in given:
-            if not is_visible(name):
-                problem = f"has the key {shown(name)}, with a sign that is not visible"
+            if not is_name(name):
+                problem = f"has the key {shown(name)}, which is empty or has a sign that is not visible"
                 values[name] = self.refuse(key, problem, "give keys of visible signs", "out-of-range")
         return WRONG if any(value is WRONG for value in values.values()) else values
 
@@ -180,6 +183,17 @@ class _TableReader:
 def _inside(key: str, name: str) -> str:
     """The dotted key of a name in a table."""
     return f"{key}.{name}" if key else name
+
+
+def _is_written(given: Any, field: str) -> bool:
+    """Whether a table has the key of a field; also if the field is in a row, or is no key."""
+    for name in field.split("."):
+        if not isinstance(given, Mapping) or "[" in name:
+            return True
+        if name not in given:
+            return False
+        given = given[name]
+    return True
 
 
 def _found(given: Any, declared: DeclaredField) -> str:

@@ -92,8 +92,11 @@ class _Applied:
         "file with the kerf and the fits of your materials, such as workshop/laser.toml", default=None
     )
     scale: float = quantity(
-        "multiplies all lengths except those of stock, base and files", default=1.0, at_least=1e-6, at_most=1e6
-    )
+        "multiplies all lengths, also in units: torques and speeds in mm/s by it, inertias in kg mm2 by its square, "
+        "stiffnesses in N/mm by its inverse; not masses, forces and angles, nor what is bought, stock, base, files, "
+        "tolerances, printing and optimise",
+        default=1.0, at_least=1e-6, at_most=1e6,
+    )  # fmt: skip
 
 
 def _in_sentences(texts: property) -> property:

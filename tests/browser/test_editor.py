@@ -81,6 +81,17 @@ def drag(page, handle, right, up):
     settle(page)
 
 
+def swipe(page, start, end):
+    """A finger on the screen."""
+    finger = page.context.new_cdp_session(page)
+    places = [[a + share * (b - a) for a, b in zip(start, end)] for share in (0, 1 / 3, 2 / 3, 1)]
+    for k, (x, y) in enumerate(places):
+        points = [{"x": float(x), "y": float(y)}]
+        finger.send("Input.dispatchTouchEvent", {"type": "touchMove" if k else "touchStart", "touchPoints": points})
+    finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    settle(page)
+
+
 def fill(page, key, text):
     page.fill(f'[name="{key}"]', text)
     assert page.is_enabled("#undo")
@@ -134,14 +145,7 @@ def test_a_finger_drags_on_a_phone(studio):
     page = studio(FOUR_BAR, **PHONE).page
     assert page.evaluate("document.documentElement.scrollWidth") == 390
     x, y = centre(page, "point:coupler_point")
-    finger = page.context.new_cdp_session(page)
-    for kind, points in [
-        ("touchStart", [{"x": x, "y": y}]),
-        *[("touchMove", [{"x": x + k, "y": y - k}]) for k in (4, 8, 12)],
-        ("touchEnd", []),
-    ]:
-        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
-    settle(page)
+    swipe(page, (x, y), (x + 12, y - 12))
     there = centre(page, "point:coupler_point")
     assert abs(there[0] - x - 12) < 2 and abs(there[1] - y + 12) < 2
     assert value(page, "linkage.coupler_point[0]") != 40 and page.evaluate("scrollY") == 0

@@ -74,5 +74,5 @@ def test_the_page_over_a_folder_opens_without_a_complaint(tab, tmp_path):
         assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
         assert page.evaluate("[...document.images].every((image) => image.complete && image.naturalWidth > 0)")
     page.click("summary")
-    page.click("h2 a")
+    page.click("h3 a")
     assert page.title() == "crank-rocker"

@@ -6,7 +6,8 @@ import pytest
 import geomkin as gk
 
 from .test_by_mouse import Builder, empty_stage, on_stage  # noqa: F401  the fixture
-from .test_editor import FOUR_BAR, PHONE, RECIPES, centre, settle, studio  # noqa: F401  the fixture
+from .test_editor import PHONE, settle, studio, swipe  # noqa: F401  the fixture
+from .test_pages import go_to
 
 # A dark ellipse, 200 by 120 pixels, with its middle at (150, 110) of a light picture of 320 by 240, and a smaller spot.
 DROP = """async () => {
@@ -128,17 +129,28 @@ def test_three_clicks_are_poses_of_a_body_that_are_moved_turned_and_taken_away(e
     for place, to in (((0, 40), (12, 52)), ((60, 30), (60, 60))):
         stroke(page, *(on_stage(page, *z) for z in (place, to)))
     page.wait_for_selector("body:not(.unchecked) #candidates button", timeout=60_000)
-    assert page.locator(".tool-layer .copy").count() == 3
+    assert page.locator(".tool-layer .copy:not(.carried)").count() == 3
+    # The outline is drawn in the pose that is turned by 90 deg, and moves with the body.
+    page.click("text=Draw the outline")
+    stroke(page, *(on_stage(page, 60 + u, 30 + v) for u, v in ((0, 0), (0, 20), (-8, 20), (-8, 0), (-1, 0))))
+    for k, corners in ((0, [(-40, 8), (-20, 0)]), (2, [(52, 50), (60, 30)])):
+        box, (upper, lower) = page.locator(f".copy >> nth={k}").bounding_box(), (on_stage(page, *z) for z in corners)
+        ends = [box["x"], box["y"], box["x"] + box["width"], box["y"] + box["height"]]
+        assert ends == pytest.approx([*upper, *lower], abs=4)
+    go_to(page, 0)
+    first = page.get_attribute(".carried", "d")
+    go_to(page, 60)
+    assert page.get_attribute(".carried", "d") != first
     # A handle of a pose lies above the layer that takes clicks.
     handle = "point:wanted.poses[1][2]"
     hand.drag(handle, -10, 10)
     hand.use("pose", (90, -10))
     page.wait_for_selector("body:not(.unchecked) .cross")
-    assert page.locator(".tool-layer .copy").count() == 4
+    assert page.locator(".copy:not(.carried)").count() == 4
     page.focus('[data-handle="point:wanted.poses[0][0]"]')
     page.keyboard.press("Delete")
     settle(page)
-    assert page.locator(".tool-layer .copy").count() == 3 and not page.locator(".cross").count()
+    assert page.locator(".copy:not(.carried)").count() == 3 and not page.locator(".cross").count()
     page.keyboard.press("Control+z")
     settle(page)
     x, y = (box := page.locator("circle.cross >> nth=3").bounding_box())["x"], box["y"]
@@ -160,8 +172,20 @@ def test_a_finger_and_keys_place_poses(studio):  # noqa: F811
     box = page.locator(".tool-layer").bounding_box()
     page.touchscreen.tap(box["x"] + 0.3 * box["width"], box["y"] + 0.5 * box["height"])
     assert page.locator(".copy").count() == 1
+    x, y = box["x"] + 0.7 * box["width"], box["y"] + 0.6 * box["height"]
+    swipe(page, (x, y), (x, y - 40))
+    assert page.locator(".copy").count() == 2
+    # Turned upwards.
+    outline = page.locator(".copy >> nth=1").bounding_box()
+    assert outline["height"] > 1.3 * outline["width"]
+    page.click('[data-tool="move"]')
+    page.evaluate(DROP)
+    scale, at = picture(page)
+    swipe(page, at + scale * np.array([160, 100]), at + scale * np.array([160, 100]) + np.array([20, 30]))
+    assert picture(page)[1] == pytest.approx(at + np.array([20, 30]), abs=1.5) and page.evaluate("scrollY") == 0
+    page.tap('[data-tool="pose"]')
     page.focus(".tool-layer")
     page.keyboard.press("Enter")
-    assert page.locator(".copy").count() == 2
+    assert page.locator(".copy").count() >= 1
     page.keyboard.press("Escape")
     assert page.locator(".copy").count() == 0

@@ -131,6 +131,20 @@ def test_play_of_the_locked_wheel_is_that_of_polygons(slots, internal):
             assert (turned.intersection(disc).area > 0) == meets
 
 
+@pytest.mark.parametrize(("slots", "internal"), [(3, 0), (4, 0), (12, 0), (3, 1), (4, 1)])
+def test_tips_too_thin_to_cut_fail_a_check_of_their_width(slots, internal):
+    """The width is the distance of the corner of a slot's mouth from the locking arc."""
+    for width, thickness in ((0.01, 1), (1.0, 1), (1.0, 4)):
+        own = drive(distance=120, slots=slots, internal=bool(internal), tip_width=width, stock={"thickness": thickness})
+        (check,) = (check for check in own.checks if check.id == "tip_width")
+        assert check.passed == (width >= thickness / 3)
+        wheel = own.geneva
+        side = np.exp(-1j * np.pi / slots)
+        corner = (wheel.distance * np.cos(np.pi / slots) + 1j * wheel.half_width) * side
+        arc = shapely.Point(wheel.distance, 0).buffer(wheel.lock_radius + wheel.clearance / 2, quad_segs=20000)
+        assert arc.distance(shapely.Point(corner.real, corner.imag)) == pytest.approx(check.value, abs=1e-5)
+
+
 @pytest.mark.parametrize("share", [0.75, 2 / 3, 0.5, 0.25])
 def test_a_wanted_dwell_gives_slots_and_pins(share):
     wheel = gk.geneva.GenevaWheel(100, dwell_share=share)

@@ -109,6 +109,13 @@ def test_scene_returns_after_the_period_and_not_before():
     assert apart[-1] < 1e-9 and (apart[1:-1] > 0.01).all()
 
 
+@pytest.mark.parametrize(("teeth", "period"), [(16, "1 turn"), (24, "3/2 turns")])
+def test_a_period_of_one_turn_is_in_the_singular(teeth, period):
+    pair = f'kind = "gear-pair", first = {{ teeth = 16, module = 2 }}, second = {{ teeth = {teeth}, module = 2 }}'
+    own = gk.load(machine(pair=inline(pair), crank=inline(CRANK, 'turned_by = "pair.second"\n')))
+    assert own.quantities["period"].startswith(f"{period} of") and any(f" {period} of" in fact for fact in own.facts)
+
+
 def test_period_is_the_least_by_trying_all():
     random = Random(1)
     for _ in range(60):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.core.errors import DesignError
 from geomkin.recipe.load import from_table
 from tests.texts import template_of
 
@@ -186,6 +187,15 @@ def test_loads_above_the_mechanisms_are_refused_with_the_place_where_they_belong
         gk.load({"kind": "machine", "mechanisms": {"pair": {"recipe": PAIR}, "pump": {"recipe": PUMP, "turned_by": "pair.second"}},
                  "loads": {}})  # fmt: skip
     assert "recipe.loads" in refused.value.problems[0].remedy
+
+
+def test_a_flywheel_of_a_machine_whose_speed_no_load_changes_is_refused_by_name():
+    pump = {key: value for key, value in PUMP.items() if key != "loads"}
+    mechanisms = {"pair": {"recipe": PAIR}, "pump": {"recipe": pump, "turned_by": "pair.second"}}
+    machine = gk.load({"kind": "machine", "mechanisms": mechanisms, "drive": {"speed_fluctuation": 0.1}})
+    with pytest.raises(DesignError) as refused:
+        assert machine.checks
+    assert refused.value.field == "drive.speed_fluctuation"
 
 
 STEEL = {"material": "steel-C45", "thickness": 6, "bore": 5}

@@ -154,7 +154,9 @@ VARY = {"linkage.crank": (20, 40)}
         ({"linkage.krank": (1, 2)}, TRANSMISSION, (), "linkage.krank", "crank"),
         ({"linkage.crank[3]": (1, 2)}, TRANSMISSION, (), "linkage.crank[3]", "crank"),
         ({"linkage.crank": (40, 20)}, TRANSMISSION, (), "linkage.crank", "40 to 20"),
-        ({"linkage.crank": (-2, -1)}, TRANSMISSION, (), "vary", "linkage.crank"),
+        ({"linkage.crank": (-2, -1)}, TRANSMISSION, (), "linkage.crank", "above 0"),
+        ({"linkage.crank": (-5, 40)}, TRANSMISSION, (), "linkage.crank", "above 0"),
+        ({"linkage.crank": (0, 1e12)}, TRANSMISSION, (), "linkage.crank", "at most"),
         ({"": (1, 2)}, TRANSMISSION, (), "", "empty"),
         ({}, TRANSMISSION, (), "vary", "linkage.crank"),
         (VARY, "min(transmission_angel)", (), "minimise", "transmission_angle"),
@@ -227,7 +229,8 @@ def test_a_recipe_without_the_table_says_where_to_give_it(tmp_path):
 
 def test_too_many_combinations_of_whole_numbers_are_refused_before_the_search():
     with pytest.raises(gk.DesignError) as refused:
-        gk.optimise(GEAR, {"gear.teeth": (4, 1e9)}, "rim")
+        pair = {"kind": "gear-pair", "first": {"teeth": 20, "module": 2}, "second": {"teeth": 30, "module": 2}}
+        gk.optimise(pair, {"first.teeth": (10, 900), "second.teeth": (10, 900)}, "contact_ratio")
     assert refused.value.id == "too-much-work"
 
 

@@ -113,6 +113,7 @@ REFUSED = {
     "drive.speed_rpm": {"drive": {"speed_rpm": -10}},
     "stock.pin": {"stock": {"pin": 12}},
     "stock.bore": {"stock": {"bore": 79}},
+    "stock.spring": {"stock": {"spring": 1}},
 }
 
 
@@ -167,6 +168,19 @@ def test_the_spring_is_stretched_as_the_pawl_is_lifted():
     lengths = own.plates.spring_length(turn)[order]
     assert np.diff(lengths).min() >= 0 and lengths[0] == pytest.approx(own.stock.spring, abs=0.5)
     assert from_table({"kind": "ratchet", "ratchet": RATCHETS[0], "stock": {"spring": 0}}).parts[1].hole_names == ("B",)
+
+
+@pytest.mark.parametrize("given", RATCHETS[:3])
+def test_a_spring_is_so_long_that_its_pin_in_the_base_clears_the_pawl(given):
+    stock = {"spring_pin": 3, "clearance": 0}
+    with pytest.raises(RecipeError) as caught:
+        from_table({"kind": "ratchet", "ratchet": given, "stock": {**stock, "spring": 1}})
+    (problem,) = caught.value.problems
+    own = from_table({"kind": "ratchet", "ratchet": given, "stock": {**stock, "spring": float(problem.value)}})
+    pin = shapely.Point(own.plates.post.real, own.plates.post.imag)
+    turns = np.linspace(0, own.ratchet.pitch, 40)
+    near = min(shapes(own.ratchet)[1](float(own.ratchet.lift(turn))).distance(pin) for turn in turns)
+    assert near == pytest.approx(1.5, abs=2e-3)
 
 
 def test_scene_moves_the_parts_that_are_cut():

@@ -45,6 +45,21 @@ def test_goal_is_made_and_its_found_recipe_runs(tmp_path):
     assert found.drive.end_deg == pytest.approx(data["drive_at_points_deg"][-1])
 
 
+@pytest.mark.parametrize(("key", "is_length"), [("links", True), ("crank", True), ("ground", True), ("offset", False)])
+def test_bounds_of_a_length_are_no_less_than_zero(key, is_length):
+    text = f"{FIVE}{key} = [-5, 10]"
+    if not is_length:
+        assert gk.load(text).bounds.given[key] == (-5, 10)
+        return
+    with pytest.raises(gk.RecipeError) as refused:
+        gk.load(text)
+    assert [problem.key for problem in refused.value.problems] == [f"bounds.{key}[0]"]
+    # Of the library too, for closed paths.
+    if key == "links":
+        with pytest.raises(gk.DesignError):
+            gk.path_generator([0, 40, 40 + 30j, 30j], closed=True, bounds={key: (-5, 10)})
+
+
 def test_points_come_from_files_and_texts(tmp_path):
     rows = "x_mm, y_mm\n0,0\n10,2\n\n20,3\n30,2.5\n"
     (tmp_path / "path.csv").write_text("\ufeff" + rows)

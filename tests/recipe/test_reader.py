@@ -47,6 +47,25 @@ REFUSED = [
     (FOUR_BAR, "expected_failures", {"deviation\ue000": "x"}, "expected_failures", "out-of-range"),
     (FOUR_BAR, "loads.masses", {"crank\u3164": {"mass_kg": 1}}, "loads.masses", "out-of-range"),
     (FOUR_BAR, "stock.material", {"name": "oak\u200b", "density": 700}, "stock.material.name", "out-of-range"),
+    (FOUR_BAR, "stock.material", {"name": "", "density": 700}, "stock.material.name", "out-of-range"),
+    (FOUR_BAR, "stock.attachments", [{"name": " ", "body": "rocker"}], "stock.attachments[0].name", "out-of-range"),
+    (
+        FOUR_BAR,
+        "loads.motors",
+        [{"name": "", "torque_n_mm": 1, "speed_rpm": 1, "lasting_torque_n_mm": 1, "mass_g": 1}],
+        "loads.motors[0].name",
+        "out-of-range",
+    ),
+    (
+        FOUR_BAR,
+        "loads.actuator",
+        {"name": "", "force_n": 9, "no_load_speed": 9, "full_load_speed": 9, "stroke": 9},
+        "loads.actuator.name",
+        "out-of-range",
+    ),
+    (FOUR_BAR, "loads.masses", {"": {"mass_kg": 1}}, "loads.masses", "out-of-range"),
+    (FOUR_BAR, "loads.forces[0].body", "", "loads.forces[0].body", "out-of-range"),
+    (FOUR_BAR, "expected_failures", {"undercut": ""}, "expected_failures.undercut", "out-of-range"),
     (TRAIN, "kind", ["gear-train"], "kind", "unknown-kind"),
     (TRAIN, "train.stages[0][1]", 7.5, "train.stages[0][1]", "wrong-type"),
     (TRAIN, "train.stages[0][1]", 3, "train.stages[0][1]", "out-of-range"),
@@ -92,3 +111,43 @@ def test_rows_have_the_same_limits_in_python_and_in_a_recipe():
     with pytest.raises(gk.DesignError) as refused:
         dataclasses.replace(wanted, poses=poses)
     assert refused.value.field == "poses[0][0]"
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "is_covered"),
+    [
+        ("loaded-train", "efficiency", True), ("loaded-train", "train.efficiencies", True),
+        ("gear-pair", "efficiency", True), ("rack-and-pinion", "efficiency", False),
+    ],
+)  # fmt: skip
+def test_an_unknown_key_names_the_key_that_covers_its_topic_if_there_is_one(name, key, is_covered):
+    """The efficiency of gears follows from their friction."""
+    table = tomllib.loads((RECIPES / f"{name}.toml").read_text("utf-8"))
+    outer, _, inner = key.rpartition(".")
+    (table[outer] if outer else table)[inner] = 0.9
+    with pytest.raises(RecipeError) as refused:
+        from_table(table)
+    (problem,) = refused.value.problems
+    words = f"{problem.problem}; {problem.remedy.partition('known here')[0]}"
+    assert problem.key == key and ("friction" in words.replace("friction and wear", "")) == is_covered
+
+
+@pytest.mark.parametrize("is_written", [False, True])
+@pytest.mark.parametrize(
+    ("table", "key", "value"),
+    [
+        ({"kind": "geneva", "geneva": {"distance": 10, "slots": 12, "roller": 2}}, "geneva.tip_width", 2.0),
+        (
+            {"kind": "ratchet", "ratchet": {"diameter": 80, "teeth": 24, "pawl_length": 60, "pawl_width": 40}},
+            "stock.spring",
+            20.0,
+        ),
+    ],
+)
+def test_a_value_that_nobody_wrote_is_named_as_the_default(table, key, value, is_written):
+    outer, _, inner = key.partition(".")
+    written = {**table, outer: {**table.get(outer, {}), **({inner: value} if is_written else {})}}
+    with pytest.raises(RecipeError) as refused:
+        from_table(written)
+    (problem,) = refused.value.problems
+    assert problem.key == key and f"{value:g}" in problem.problem and ("default" in problem.problem) != is_written

@@ -152,3 +152,18 @@ def test_points_and_lifts_of_files_are_multiplied(tmp_path):
     table = big.cam.program.segments[1]
     assert table.file is None and table.within == pytest.approx(2 * 0.75e-3)
     assert parse(gk.recipe.to_toml(big)) == big
+
+
+def test_scale_multiplies_lengths_in_units_and_neither_forces_nor_masses():
+    loads = {
+        "torques": [{"body": "rocker", "torque_n_mm": 100}],
+        "forces": [{"body": "coupler", "point": [10, 5], "force_n": [3, -4]}],
+        "masses": {"crank": {"mass_kg": 0.2, "centre": [5, 0], "inertia_kg_mm2": 50}},
+        "springs": [{"body": "rocker", "point": [0, 0], "to_body": "ground", "to_point": [0, 50], "stiffness": 6}],
+    }
+    linkage = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}
+    scaled = gk.load({"kind": "four-bar", "scale": 2.0, "linkage": linkage, "loads": loads}).loads
+    assert scaled.torques[0].torque_n_mm == 200 and scaled.forces[0].force_n == (3, -4)
+    assert scaled.forces[0].point == 20 + 10j and scaled.springs[0].stiffness == 3
+    mass = scaled.masses["crank"]
+    assert (mass.mass_kg, mass.centre, mass.inertia_kg_mm2) == (0.2, 10, 200)

@@ -36,7 +36,8 @@ def test_bounds_are_converted_to_the_units_of_the_search(slides):
         others = np.arange(10) != k
         assert (low[others] == plain[0, others]).all() and (high[others] == plain[1, others]).all()
         # From below the least, or to beyond the greatest that there is: that stays.
-        low, high = bounds_of({name: (-9e8, 9e8)}, slides, True, MIDDLE, SIZE)
+        least = 0 if name != "offset" and name in {**LINKS, **SLIDER} else -9e8
+        low, high = bounds_of({name: (least, 9e8)}, slides, True, MIDDLE, SIZE)
         if name not in ANGLES:
             assert [low[k], high[k]] == plain[:, k].tolist()
     # One value may be given, too, and one in each direction of a place; a length has to be above 0.
@@ -45,8 +46,9 @@ def test_bounds_are_converted_to_the_units_of_the_search(slides):
             low, high = bounds_of({name: (value, value)}, slides, False, MIDDLE, SIZE)
             assert (low == high).sum() == 1 + slides
     for name in ("crank", "coupler") if slides else LINKS:
-        with pytest.raises(gk.DesignError):
-            bounds_of({name: (-1, 0)}, slides, False, MIDDLE, SIZE)
+        for bounds in ((-1, 0), (0, 0), (-5, 10)):
+            with pytest.raises(gk.DesignError):
+                bounds_of({name: bounds}, slides, False, MIDDLE, SIZE)
         low, _ = bounds_of({name: (0, 1e-3)}, slides, False, MIDDLE, SIZE)
         assert low[SLIDER[name] if slides else LINKS[name]] == SHORTEST
         with pytest.raises(gk.DesignError):

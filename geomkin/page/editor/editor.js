@@ -211,6 +211,7 @@ class Editor {
     this.tools.choose("move");
     for (const scrolled of [at("form"), document.querySelector("aside")]) scrolled.scrollTop = 0;
     this.tools.own.photo.remove();
+    this.tools.own.pose.forget();
     for (const id of ["conflict", "candidates", "known"]) at(id).hidden = true;
     this.askAnew();
   }

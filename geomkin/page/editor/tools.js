@@ -35,7 +35,7 @@ const TOOLS = {
   motor: ["Motor", "Click the body that a motor drives, and choose the motor.", ["body"]],
   delete: ["Delete", "Click a point, a slide, a force, a spring or a body.", ["point", "slide", "load", "body"]],
   path: ["Path", "Draw the path that a linkage is to follow, or drop an SVG drawing: known linkages appear, then the search begins."],
-  pose: ["Pose", "Click where the body is to be, three times or more; draw outwards to turn it. Drag the handles of a pose to move and turn it."],
+  pose: ["Pose", "Click three or more places of a body; draw outwards to turn it. Drag the handles of a pose."],
   photo: ["Picture", "Choose or drop a picture to trace: drag it, or a corner of it; give the true length of something in it; then draw a path over it."],
   rename: ["Name", "Click a point, a slide or a body, and type its name.", ["point", "slide", "body"]],
 };
@@ -69,7 +69,7 @@ export class Tools {
     this.stated = make(line, "b");
     this.about = make(line, "span", { id: "tool-about" });
     // Tools that have pointer and keys for themselves.
-    this.own = { pose: new Poses(this), photo: new Photo(this, row) };
+    this.own = { pose: new Poses(this, row), photo: new Photo(this, row) };
     this.dialog = document.getElementById("rename-dialog");
     this.motors = document.getElementById("motor-dialog");
   }
@@ -132,13 +132,11 @@ export class Tools {
   // Lets the layer take the pointer, and for a tool with keys the focus.
   setActive() {
     const { layer, tool, own } = this, hasKeys = this.isActive && tool in own;
-    document.body.classList.toggle("posing", this.isActive && tool === "pose");
-    own.photo.buttons.hidden = tool !== "photo";
+    for (const each of Object.values(own)) each.update();
     if (!layer) return;
     layer.classList.toggle("active", Boolean(this.isActive));
     const attributes = { tabindex: 0, role: "application", "aria-label": TOOLS[tool][0], "aria-describedby": "tool-about" };
     for (const [name, value] of Object.entries(attributes)) if (hasKeys) layer.setAttribute(name, value); else layer.removeAttribute(name);
-    own.photo.update();
   }
 
   get isActive() { return this.shafts || (!this.root.hidden && this.tool !== "move"); }

@@ -66,6 +66,7 @@ class RatchetRecipe(AbstractPlatesRecipe):
     def __post_init__(self) -> None:
         super().__post_init__()
         self.drive.check_rows()
+        self.plates.check()
         if self.drive.speed_rpm < 0:
             problem = f"found {self.drive.speed_rpm:g}, against which the pawl holds the wheel"
             raise DesignError("drive.speed_rpm", problem, f"give {-self.drive.speed_rpm:g}", "conflict")

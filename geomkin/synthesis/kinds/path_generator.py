@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.errors import DesignError, printable, shown
 from ...core.field_visitor import WrittenForm
-from ...core.fields import FARTHEST, ComplexPoint, Ratio, entry, point_of, quantity, to_digits
+from ...core.fields import FARTHEST, ComplexPoint, Length, Ratio, entry, point_of, quantity, to_digits
 from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
 from ...core.reprs import clipped
@@ -142,6 +142,7 @@ TABLES = {
 }
 
 Pair = tuple[float, float]
+LengthPair = tuple[Length, Length]
 
 
 @record(checked=True, kw_only=True)
@@ -241,11 +242,11 @@ MM = ("mm", "mm")
 class PathBounds:
     """Exact bounds [low, high] of sizes and positions."""
 
-    ground: Pair | None = entry("least and greatest distance of the ground pivots, mm", default=None, units=MM)
+    ground: LengthPair | None = entry("least and greatest distance of the ground pivots, mm", default=None, units=MM)
     offset: Pair | None = entry("least and greatest offset of a slider-crank, mm", default=None, units=MM)
-    crank: Pair | None = entry("least and greatest length of the crank, mm", default=None, units=MM)
-    coupler: Pair | None = entry("least and greatest length of the coupler, mm", default=None, units=MM)
-    rocker: Pair | None = entry("least and greatest length of the rocker, mm", default=None, units=MM)
+    crank: LengthPair | None = entry("least and greatest length of the crank, mm", default=None, units=MM)
+    coupler: LengthPair | None = entry("least and greatest length of the coupler, mm", default=None, units=MM)
+    rocker: LengthPair | None = entry("least and greatest length of the rocker, mm", default=None, units=MM)
     coupler_point_x: Pair | None = entry(
         "least and greatest x of the coupler point in the coupler's frame, mm", default=None, units=MM
     )
@@ -260,7 +261,7 @@ class PathBounds:
     pivots_y: Pair | None = entry(
         "for closed paths or more bars, least and greatest y of all other ground pivots, mm", default=None, units=MM
     )
-    links: Pair | None = entry(
+    links: LengthPair | None = entry(
         "for closed paths or more bars, least and greatest distance of the pins of each link, mm, to limit its size",
         default=None,
         units=MM,

@@ -177,17 +177,8 @@ def bounds_of(
                 "bounds", f"found {shown(name)}", f"give any of {', '.join(allowed)}{reason}", "unknown-key"
             )
         least, most = float(pair[0]), float(pair[1])
-        if not least <= most:
-            raise DesignError(
-                "bounds",
-                f"{name} from {least:g} to {most:g} is not a range",
-                "give the lower value first",
-                "out-of-range",
-            )
         k = names.index(name)
-        is_length = CRANK <= k <= ROCKER or (k == GROUND and not slides)
-        if is_length and most <= 0:
-            raise DesignError("bounds", f"{name} is at most {mm(most):down6}", "give a length above 0", "out-of-range")
+        check_bound(name, least, most, is_length=CRANK <= k <= ROCKER or (k == GROUND and not slides))
         if name.endswith("_deg"):
             least, most = np.radians(least), np.radians(most)
         elif name.startswith("origin"):
@@ -204,6 +195,17 @@ def bounds_of(
                 "out-of-range",
             )
     return low, high
+
+
+def check_bound(name: str, least: float, most: float, is_length: bool) -> None:
+    """DesignError for bounds that are no range, or that a length cannot have."""
+    if not least <= most:
+        problem = f"{name} from {least:g} to {most:g} is not a range"
+        raise DesignError("bounds", problem, "give the lower value first", "out-of-range")
+    if is_length and (least < 0 or most == 0):
+        side, value = ("least", f"{mm(least):up6}") if least < 0 else ("most", f"{mm(most):g}")
+        problem = f"{name} is at {side} {value}, but a length is above 0"
+        raise DesignError("bounds", problem, "give a range from 0, or from a larger value", "out-of-range")
 
 
 def bound_all_links(bounds: Mapping[str, tuple[float, float]] | None, slides: bool) -> bool:

@@ -17,7 +17,7 @@ from ...linkage.linkage import AbstractLinkage
 from ...plane.vec import Complex, Real
 from .any_curve import ChainBounds
 from .closed_lines import loop
-from .coupler_paths import CHAIN_ONLY, bound_all_links, bounds_of
+from .coupler_paths import CHAIN_ONLY, bound_all_links, bounds_of, check_bound
 from .curve_library import curve_library, target_curve
 from .dyad_chains import linkage_of
 from .fits import PathTask
@@ -301,14 +301,11 @@ def _chain_bounds(bounds: Mapping[str, tuple[float, float]]) -> ChainBounds:
         if name not in CURVE_BOUNDS:
             remedy = f"give any of {', '.join(CURVE_BOUNDS)}, or 4 bars"
             raise DesignError("bounds", f"found {shown(name)}", remedy, "unknown-key")
-        if not low <= high:
-            raise DesignError("bounds", f"{name} from {low:g} to {high:g} is not a range", "give the lower value first")
+        check_bound(name, low, high, is_length=name == "links")
     free, links = (-np.inf, np.inf), bounds.get("links", (0.0, np.inf))
-    if links[1] <= 0:
-        raise DesignError("bounds", f"links is at most {mm(links[1]):down6}", "give a length above 0", "out-of-range")
     sides = [(bounds.get(f"{of}_x", free), bounds.get(f"{of}_y", free)) for of in ("origin", "pivots")]
     crank, pivots = ((complex(x[0], y[0]), complex(x[1], y[1])) for x, y in sides)
-    return ChainBounds(crank, pivots, (max(links[0], 0.0), links[1]))
+    return ChainBounds(crank, pivots, links)
 
 
 def _check_pivots(points: Complex, bounds: ChainBounds) -> None:
