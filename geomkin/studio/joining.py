@@ -111,6 +111,8 @@ def _source(wanted: Mapping[str, Any], machine: AbstractRecipe) -> tuple[str | d
     own = UNITS[table.pop("units", MM.name)]
     if own is not MM:
         table = in_mm(table, recipe, own)
+    # The machine states the files.
+    table.pop("files", None)
     noun = str(wanted.get("name") or recipe.kind) if given else recipe.kind
     return (table if unit is MM else from_mm(table, recipe, unit)), noun
 

@@ -355,21 +355,27 @@ def test_nothing_is_cut_off_or_named_twice(studio):  # noqa: F811
 @pytest.mark.parametrize("is_refused", [True, False], ids=["sizes", "position"])
 def test_a_body_is_clicked_where_a_linkage_is_open(studio, is_refused):  # noqa: F811
     """Either no position can be assembled, or the one that is shown cannot."""
-    text = FOUR_BAR if is_refused else FOUR_BAR.replace("crank = 30.00", "crank = 75") + "[drive]\nstart_deg = 0\nend_deg = 360\n"
+    text = (
+        FOUR_BAR
+        if is_refused
+        else FOUR_BAR.replace("crank = 30.00", "crank = 75") + "[drive]\nstart_deg = 0\nend_deg = 360\n"
+    )
     page = studio(text, **DESK).page
     if is_refused:
         fill(page, "linkage.rocker", "12")
     else:
-        page.locator("#player .drive input").press("Home" if "assembled" in page.inner_text(".notice") else "End")
-        page.evaluate("() => { const s = document.querySelector('.drive input'); s.value = s.max / 2; s.dispatchEvent(new Event('input')); }")
+        page.locator("#player .drive input").fill("180")
     page.wait_for_selector(".gap .link", state="attached")
     tool(page, "driver")
     # The link with three points, as a polygon: its middle is off its sides.
-    spots = page.eval_on_selector_all(".gap .link", """paths => paths.filter((path) => path.getAttribute("d").endsWith("z")).map((path) => {
+    spots = page.eval_on_selector_all(
+        ".gap .link",
+        """paths => paths.filter((path) => path.getAttribute("d").endsWith("z")).map((path) => {
         const corners = path.getAttribute("d").slice(1, -1).split("L").map((place) => place.split(",").map(Number)), matrix = path.getScreenCTM();
         const { x, y } = new DOMPoint(...[0, 1].map((axis) => corners.reduce((sum, corner) => sum + corner[axis], 0) / 3)).matrixTransform(matrix);
         return [x, y];
-    })""")
+    })""",
+    )
     assert len(spots) == 1
     page.mouse.move(*spots[0])
     assert page.text_content(".tool-layer text") == "coupler"

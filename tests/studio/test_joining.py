@@ -97,7 +97,13 @@ def test_a_gear_on_a_crank_gets_the_bore_of_its_shaft(units):
 @pytest.mark.parametrize("name", ["klann", "inch-wiper"])
 def test_a_text_of_the_gallery_is_joined_with_its_sizes_in_the_unit_of_the_machine(name):
     source = (RECIPES / f"{name}.toml").read_text()
-    reply = join(FILES["gear-pair.toml"], source=source, name=name, turned_by="second")
+    wanted = {"source": source, "name": name, "turned_by": "second"}
+    reply = answer(FILES["gear-pair.toml"], {}, {"join": wanted})
     assert not reply["problems"] and reply["limit"] is None
     held, alone = gk.load(reply["text"]).mechanisms[name].recipe, gk.load(source)
-    assert held.linkage == alone.linkage if hasattr(alone, "linkage") else held.wanted == alone.wanted
+    one, other = (recipe.linkage.linkage.bodies for recipe in (held, alone))
+    assert [*one] == [*other]
+    for body, points in other.items():
+        assert {point: complex(z) for point, z in one[body].items()} == pytest.approx(
+            {point: complex(z) for point, z in points.items()}, abs=1e-6
+        )
