@@ -480,7 +480,7 @@ def test_the_gallery_is_searched_by_words(studio):
     page.fill("#search", "klann")
     page.click("#examples .card:visible >> nth=0")
     page.wait_for_selector("body[data-checked]")
-    assert page.text_content("#name") == "new linkage" and page.locator("#player .plate").count() >= 5
+    assert page.text_content("#name") == "new klann" and page.locator("#player .plate").count() >= 5
 
 
 def test_the_recipes_that_were_opened_last_are_first_and_move_under_the_pointer(studio):
