@@ -291,6 +291,8 @@ def test_a_linkage_does_not_begin_to_move_under_a_tool(studio):  # noqa: F811
         tool(page, name)
         for place in places:
             page.mouse.click(*on_stage(page, *place))
+            # Beside the stage: a pointer over it would stop a motion.
+            page.mouse.move(5, 5)
             settle(page)
     page.wait_for_timeout(100)
     assert page.locator("#tools b").inner_text().startswith("1 degree") and not page.locator("#player.playing").count()
