@@ -285,10 +285,20 @@ class ShaftFit:
         if not bores:
             return  # A ring that turns a ring.
         words = ", ".join(f"{name} {mm(bore):g}" if bore > 0 else f"{name} none" for name, bore in bores.items())
-        advice = "give all bodies on this shaft the same bore: bore of gears and cams, pin_diameter of linkages"
-        # Bores given in inches agree to their last written digit only.
-        spread = float(np.round(np.ptp(list(bores.values())), 6))
-        yield Check(f"{id}_bores", f"difference of bores on one shaft ({words})", spread, "at most", 0.0, "mm", advice)
+        if bare := [name for name, bore in bores.items() if not bore > 0]:
+            wide = f" of {mm(self.diameter):g}" if self.diameter > 0 else ", and all the same one"
+            advice = (
+                f"no bore; give {' and '.join(bare)} a bore{wide}: bore of gears and cams, pin_diameter of linkages"
+            )
+            yield Check(
+                f"{id}_bores", f"bodies without a bore on one shaft ({words})", len(bare), "at most", 0, "", advice
+            )
+        else:
+            advice = "give all bodies on this shaft the same bore: bore of gears and cams, pin_diameter of linkages"
+            # Bores given in inches agree to their last written digit only.
+            spread = float(np.round(np.ptp(list(bores.values())), 6))
+            name = f"difference of bores on one shaft ({words})"
+            yield Check(f"{id}_bores", name, spread, "at most", 0.0, "mm", advice)
         if not self.diameter > 0:
             return
         room, name = min(self._rooms(mechanisms), default=(np.inf, ""))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import suppress
 from functools import partial
 from itertools import count, takewhile
 from typing import Any
@@ -77,7 +78,8 @@ def answer(
     Returns
     -------
     dict
-        The new `text`, `scene`, `handles`, `values`, `quantities`, `problems`, `limit`, `preview` (joints of a
+        The new `text`, `scene`, `handles`, `values`, `written` (values of a wrong text as it has them), `quantities`,
+        `problems`, `limit`, `preview` (joints of a
         linkage), `structure` (names in a linkage), `unfinished` (what a linkage that is built still lacks),
         `shafts` (that can turn another mechanism), `dimensions` (lengths on the drawing that can be set),
         `springs` (with the places of their ends),
@@ -106,7 +108,8 @@ def answer(
 
 def _replied(draft: Draft, request: Mapping[str, Any]) -> Answer:
     reply: Answer = {
-        "text": draft.text, "kind": "", "name": draft.name, "scene": None, "handles": [], "values": {}, "problems": [],
+        "text": draft.text, "kind": "", "name": draft.name, "scene": None, "handles": [], "values": {}, "written": {},
+        "problems": [],
         "limit": None, "search": False, "unavailable": [], "quantities": [], "checks": None, "candidates": None,
         "parts": None, "preview": None, "structure": None, "unfinished": "",
         "shafts": [], "dimensions": [], "springs": [],
@@ -126,7 +129,7 @@ def _replied(draft: Draft, request: Mapping[str, Any]) -> Answer:
             (_scene if is_scene else _checks)(recipe, request.get("locks") or (), reply)
             # A drag does not change how sizes place the joints, which takes time for many bodies.
             reply["preview"] = recipe.preview(not request.get("drag")) if is_scene else None
-            if is_scene and not request.get("drag"):
+            if is_scene:
                 reply["shafts"] = [{"body": body, "at": [at.real, at.imag]} for body, at in shafts(recipe)]
             if isinstance(recipe, AbstractLinkageRecipe) and is_scene:
                 reply["structure"] = structure_data(structure_at(recipe, 0))
@@ -139,6 +142,8 @@ def _replied(draft: Draft, request: Mapping[str, Any]) -> Answer:
         reply["problems"] = [problem.to_dict()]
     if reply["problems"]:
         reply["scene"] = None
+        with suppress(GeomkinError):
+            reply["written"] = {key: value for key, value in flat(draft.table).items() if _is_json(value)}
         _unfinished(draft, request, reply)
     return reply
 
@@ -282,7 +287,7 @@ def _unfinished(draft: Draft, request: Mapping[str, Any], reply: Answer) -> None
         reply["quantities"] = [{"id": "", "label": "degrees of freedom", "text": str(structure.freedom)}]
 
 
-def _is_json(values: Mapping[str, Any]) -> bool:
+def _is_json(values: Any) -> bool:
     """Whether JSON has such values: a text may have numbers that are none, and dates."""
     try:
         json.dumps(values, allow_nan=False)

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from itertools import count
 from typing import Any
 
 import tomlkit
 
-from ..core.errors import DesignError, shown
+from ..core.errors import DesignError, GeomkinError, shown
 from ..core.units import MM, UNITS
 from ..machine.kinds import MachineRecipe
 from ..recipe.keys import edited_text
 from ..recipe.kinds import recipe_class
-from ..recipe.load import from_mm
+from ..recipe.load import from_mm, in_mm
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.template import template
 from ..recipe.toml import parsed
+from .building import plain
 from .drafts import Draft
 
 # Longest table in one line.
@@ -42,7 +44,8 @@ def joined(draft: Draft, wanted: Mapping[str, Any]) -> str:
         The recipe before: of a machine, or of a mechanism, which becomes the first one of a machine.
     wanted : mapping
         `turned_by`, the name of a shaft as `shafts` gives it; and `recipe`, the name of a recipe of the folder, or
-        `kind`, whose template is taken; `phase_deg`.
+        `kind`, whose template is taken, or `source`, the text of a recipe, with its `name`; `phase_deg`. A body without
+        a bore gets that of the shaft, where it can have one.
 
     Raises
     ------
@@ -59,7 +62,7 @@ def joined(draft: Draft, wanted: Mapping[str, Any]) -> str:
     mechanism: dict[str, Any] = {"turned_by": turned_by, **({"phase_deg": phase} if phase else {}), "recipe": other}
     if isinstance(recipe, MachineRecipe):
         added = _new_name(noun, recipe.mechanisms)
-        return edited_text(draft.text, {f"mechanisms.{added}": _table(mechanism)})
+        return _with_bores(draft, edited_text(draft.text, {f"mechanisms.{added}": _table(mechanism)}), added)
     first = _new_name(draft.name or recipe.kind, ())
     added = _new_name(noun, (first,))
     own = {key: value for key, value in draft.table.items() if key != "units"}
@@ -68,20 +71,50 @@ def joined(draft: Draft, wanted: Mapping[str, Any]) -> str:
     # Its parts are cut by the same beam.
     kerf = {"files.kerf": UNITS[recipe.units].in_digits(recipe.files.kerf, "mm")} if recipe.files.kerf else {}
     both = {f"mechanisms.{first}": _table({"recipe": own}), f"mechanisms.{added}": _table(mechanism)}
-    return edited_text(head, {**both, **kerf})
+    return _with_bores(draft, edited_text(head, {**both, **kerf}), added)
+
+
+def _with_bores(draft: Draft, text: str, added: str) -> str:
+    """The text of a machine in which all bodies on the shaft of a mechanism have a bore, where the text states them."""
+    try:
+        machine: Any = draft.with_text(text).recipe
+        fits = [fit for fit in machine.shafts if added in {name.partition("/")[0] for name in fit.bodies}]
+    except GeomkinError:
+        return text
+    for fit in fits:
+        for mechanism, _, body in (name.partition("/") for name, bore in fit.bores.items() if bore is None):
+            inner = machine.mechanisms[mechanism].recipe
+            key = next((key for key in (f"{body}_stock", "stock") if hasattr(getattr(inner, key, None), "bore")), "")
+            if not fit.diameter > 0 or inner.name or not key:
+                continue
+            bore = plain(UNITS[machine.units].in_digits(fit.diameter, "mm"))
+            bored = edited_text(text, {f"mechanisms.{mechanism}.recipe.{key}.bore": bore})
+            with suppress(GeomkinError):
+                # A small gear may have no room for it.
+                draft.with_text(bored).recipe.parts  # noqa: B018
+                text = bored
+    return text
 
 
 def _source(wanted: Mapping[str, Any], machine: AbstractRecipe) -> tuple[str | dict[str, Any], str]:
     """The recipe that is joined, as a machine states it, and a word for its name."""
-    name, kind = wanted.get("recipe"), wanted.get("kind")
+    name, source = wanted.get("recipe"), wanted.get("source")
     if isinstance(name, str) and name:
         return f"{name}.toml", name
+    given = parsed(source) if isinstance(source, str) else {}
+    kind = given.get("kind", wanted.get("kind"))
     try:
         recipe = recipe_class(kind if isinstance(kind, str) else "")
     except KeyError:
         raise DesignError("join.kind", f"found {shown(kind)}", "give a kind", "unknown-kind") from None
-    table, unit = _without_empty(parsed(template(recipe))), UNITS[machine.units]
-    return (table if unit is MM else from_mm(table, recipe, unit)), recipe.kind
+    table, unit = _without_empty(given or parsed(template(recipe))), UNITS[machine.units]
+    own = UNITS[table.pop("units", MM.name)]
+    if own is not MM:
+        table = in_mm(table, recipe, own)
+    # The machine states the files.
+    table.pop("files", None)
+    noun = str(wanted.get("name") or recipe.kind) if given else recipe.kind
+    return (table if unit is MM else from_mm(table, recipe, unit)), noun
 
 
 def _without_empty(table: Mapping[str, Any]) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from io import BytesIO
 from itertools import takewhile
 from threading import Event, Lock
 from typing import Any
+from urllib.parse import quote
 from zipfile import ZIP_DEFLATED, ZipFile
 
 from ..build import make
@@ -86,6 +87,8 @@ class Studio:
         # The last search for checks, and the last one for a scene.
         self._searches: dict[bool, BackgroundJob] = {}
         self._pictures: dict[tuple[str, bool], bytes] = {}
+        # The recipe of each folder of files that was made, and those that it names.
+        self._sources: dict[str, dict[str, str]] = {}
 
     def get(self, name: str, query: Mapping[str, str]) -> Any:
         """The answer to a GET request."""
@@ -95,7 +98,13 @@ class Studio:
                 return {"first": first, "text": text, "folder": str(self.workspace.folder)}
             case "gallery":
                 kinds = [
-                    {"kind": kind, "group": row.group, "about": recipe_class(kind).about(), "words": other_names(kind)}
+                    {
+                        "kind": kind,
+                        "group": row.group,
+                        "about": recipe_class(kind).about(),
+                        "words": other_names(kind),
+                        "joins": _joins(kind),
+                    }
                     for kind, row in all_kinds().items()
                 ]
                 return {"kinds": kinds, "recipes": [self._listed(name) for name in self.workspace.recipes]}
@@ -165,7 +174,7 @@ class Studio:
             raise RefusedError(HTTPStatus.BAD_REQUEST, "locks has the wrong form", "give keys")
         # The file of a mechanism that is joined.
         further = [f"{(body.get('join') or {}).get('recipe')}.toml"]
-        work = partial(self._answered, text, self.workspace.files_of(text, further), dict(body), name)
+        work = partial(self._answered, text, self.workspace.files_of(text, further), _with_source(body), name)
         if not (_is_search(text) or body.get("draw")):
             return work()
         is_check = body.get("lane") == "checks"
@@ -206,11 +215,13 @@ class Studio:
         except GeomkinError as error:
             return {"problems": problems_of(error)}
         files = [
-            {"name": path.name, "bytes": size, "url": f"out/{name}/{path.name}"} for path, size in made.files.items()
+            {"name": path.name, "bytes": size, "url": quote(f"out/{name}/{path.name}")}
+            for path, size in made.files.items()
         ]
+        self._sources[name] = {f"{name}.toml": text, **self.workspace.files_of(text)}
         return {"problems": [], "files": files, "remarks": list(made.remarks)}
 
-    def _listed(self, name: str) -> dict[str, str]:
+    def _listed(self, name: str) -> dict[str, Any]:
         """A recipe of the folder with the words by which it is found: kind, and first comment or what the kind is."""
         text = ""
         with suppress(GeomkinError):
@@ -224,12 +235,13 @@ class Studio:
         return {
             "name": name,
             "kind": kind,
+            "joins": _joins(kind),
             "title": " ".join(line.lstrip("# ") for line in comments)[:LONGEST_TITLE] or about,
             "words": f"{text[:LONGEST_SEARCHED]} {other_names(kind, name)}",
         }
 
     @cached_property
-    def _examples(self) -> list[dict[str, str]]:
+    def _examples(self) -> list[dict[str, Any]]:
         """Recipes of the gallery that need no other file; none in the gallery itself."""
         folder, known = gallery()
         home = Workspace(folder)
@@ -241,11 +253,12 @@ class Studio:
             text = home.open(name).text
             if not home.files_of(text):
                 words = f"{text[:LONGEST_SEARCHED]} {other_names(kind, name)}"
-                examples.append({"name": name, "kind": kind, "title": about[:LONGEST_TITLE], "words": words})
+                about = about[:LONGEST_TITLE]
+                examples.append({"name": name, "kind": kind, "title": about, "words": words, "joins": _joins(kind)})
         return examples
 
     def archive(self, folder: str) -> bytes:
-        """All files of a recipe that was made, in one zip."""
+        """All files of a recipe that was made, and the recipe, in one zip."""
         home, buffer = self.workspace.folder / "out" / folder, BytesIO()
         if file_name_flaw(folder) or not home.resolve().is_relative_to(self.workspace.folder):
             raise RefusedError(HTTPStatus.NOT_FOUND, "there is no such folder")
@@ -253,6 +266,8 @@ class Studio:
             for path in sorted(home.glob("*")):
                 if path.is_file():
                     archive.writestr(path.name, self.made_file(folder, path.name))
+            for name, text in self._sources.get(folder, {}).items():
+                archive.writestr(name, text)
         return buffer.getvalue()
 
     def made_file(self, folder: str, name: str) -> bytes:
@@ -317,6 +332,20 @@ class Studio:
             raise RefusedError(
                 HTTPStatus.NOT_FOUND, f"there is no kind {printable(kind)}", "give one of the list"
             ) from None
+
+
+def _with_source(body: Mapping[str, Any]) -> dict[str, Any]:
+    """A request with the text of the recipe of the gallery that it joins."""
+    wanted = body.get("join")
+    if not isinstance(wanted, dict) or "example" not in wanted:
+        return dict(body)
+    name = _text(wanted, "example")
+    return {**body, "join": {**wanted, "name": name, "source": Workspace(gallery()[0]).open(name).text}}
+
+
+def _joins(kind: str) -> bool:
+    """Whether mechanisms of a kind can be on a shaft of a machine; unknown, and so not refused, for no kind."""
+    return kind not in all_kinds() or recipe_class(kind).rotating_bodies is not AbstractRecipe.rotating_bodies
 
 
 def _is_search(text: str) -> bool:

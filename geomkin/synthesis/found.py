@@ -144,6 +144,11 @@ class Found:
     _repr_html_ = moving_picture
 
     @property
+    def bars(self) -> int:
+        """Number of bars, with the ground."""
+        return len(self.linkage.linkage.bodies)
+
+    @property
     def accuracy(self) -> str:
         """How near it comes to what is wanted, at the start of a label; "" if it meets that exactly."""
         return ""

@@ -277,8 +277,12 @@ def test_a_page_opens_its_recipe_in_the_studio_and_that_of_a_link(folder, opened
     with page.expect_download() as download:
         page.click('#linked button:has-text("Save")')
     assert Path(download.value.path()).read_text() == other
-    # A damaged link offers nothing.
-    page.evaluate("location.hash = '#recipe=%%'")
+    # A damaged link offers nothing, and says so.
+    for damaged in ("%%", "", "QUJD"):
+        page.evaluate("held => { location.hash = `#recipe=${held}`; }", damaged)
+        page.wait_for_selector('#linked:has-text("incomplete")')
+        assert not page.locator("#linked button").count()
+    page.evaluate("location.hash = '#elsewhere'")
     page.wait_for_selector("#linked", state="detached")
 
 

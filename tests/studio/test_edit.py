@@ -283,3 +283,17 @@ def test_the_picture_of_a_candidate_has_the_links_of_the_linkage_that_its_key_ch
 
 def test_there_is_nothing_to_choose_in_a_recipe_without_a_search():
     assert answer(FOUR_BAR, {}, {"lane": "checks"})["candidates"] == []
+
+
+def test_a_wrong_text_has_the_values_that_it_states():
+    text = FOUR_BAR.replace("ground = 100", "ground = 1e300")
+    reply = answer(text, {}, {})
+    assert reply["problems"] and not reply["values"]
+    assert reply["written"]["linkage.ground"] == 1e300 and reply["written"]["linkage.rocker"] == 70
+    assert answer("kind", {}, {})["written"] == {} and answer(FOUR_BAR, {}, {})["written"] == {}
+
+
+def test_a_drag_keeps_the_shafts():
+    drag = {"handle": "point:rocker_pin", "to": [90, 60], "frame": 0, "step": 0.1}
+    dragged = answer(FOUR_BAR, {}, {"drag": drag})
+    assert dragged["shafts"] and dragged["shafts"] == answer(dragged["text"], {}, {})["shafts"]

@@ -75,3 +75,35 @@ def test_an_impossible_join_is_refused_and_changes_nothing(wanted):
     text = FILES["gear-pair.toml"]
     reply = answer(text, FILES, {"join": wanted} if wanted else {"join": {"kind": ""}})
     assert reply["text"] == text and reply["limit"]["reason"] and reply["scene"]
+
+
+@pytest.mark.parametrize("units", ["mm", "inch"])
+def test_a_gear_on_a_crank_gets_the_bore_of_its_shaft(units):
+    text = (RECIPES / "inch-wiper.toml").read_text() if units == "inch" else FILES["walking-leg.toml"]
+    (shaft, *_) = answer(text, {}, {})["shafts"]
+    reply = join(text, kind="gear-pair", turned_by=shaft["body"])
+    assert not reply["problems"]
+    machine = gk.load(reply["text"])
+    (fit,) = machine.shafts
+    bores = [bore.diameter for bore in fit.bores.values()]
+    assert len(bores) == 2 and bores[0] == pytest.approx(bores[1]) and bores[0] > 1
+    # Without it the check says what to do.
+    bare = tomllib.loads(reply["text"])
+    del bare["mechanisms"]["gear-pair"]["recipe"]["first_stock"]
+    (check,) = (check for check in gk.load(bare).design_checks if check.id.endswith("_bores"))
+    assert check.value == 1 and not check.passed and "gear-pair/first" in check.advice
+
+
+@pytest.mark.parametrize("name", ["klann", "inch-wiper"])
+def test_a_text_of_the_gallery_is_joined_with_its_sizes_in_the_unit_of_the_machine(name):
+    source = (RECIPES / f"{name}.toml").read_text()
+    wanted = {"source": source, "name": name, "turned_by": "second"}
+    reply = answer(FILES["gear-pair.toml"], {}, {"join": wanted})
+    assert not reply["problems"] and reply["limit"] is None
+    held, alone = gk.load(reply["text"]).mechanisms[name].recipe, gk.load(source)
+    one, other = (recipe.linkage.linkage.bodies for recipe in (held, alone))
+    assert [*one] == [*other]
+    for body, points in other.items():
+        assert {point: complex(z) for point, z in one[body].items()} == pytest.approx(
+            {point: complex(z) for point, z in points.items()}, abs=1e-6
+        )

@@ -128,7 +128,7 @@ def test_too_many_requests_are_refused(running, monkeypatch):
 
 def test_the_page_that_leads_links_on_needs_and_holds_no_secret(running):
     port = running.server_port
-    assert re.search(r":(\d+)/open", player_file("links.js"))[1] == str(module.PORT)
+    assert re.search(r"127\.0\.0\.1:(\d+)", player_file("links.js"))[1] == str(module.PORT)
     before = len(running._times)
     for name in ("open", "open.js"):
         with closing(http.client.HTTPConnection(HOST, port)) as connection:

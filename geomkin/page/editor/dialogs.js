@@ -4,6 +4,7 @@ import { make } from "../player/shapes.js";
 import { get, post } from "./server.js";
 
 const at = (id) => document.getElementById(id);
+const TITLES = { start: "Open a recipe", open: "Open a recipe", new: "Start a new recipe", join: "Join a mechanism to a shaft" };
 const isStill = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 // Returns a function that loads an image when it comes into view. Only one is loaded at a time, because the server draws it.
@@ -33,8 +34,10 @@ function loader(root) {
 
 // Shows the gallery. A click on a card calls `editor.open(recipe)` or `editor.startNew(kind, example)`; if it is to be joined to the
 // shown one, `editor.joinTo({ recipe })` or `editor.joinTo({ kind })`.
-export async function showGallery(editor, isJoined = false) {
-  const dialog = at("gallery-dialog"), { kinds, recipes } = await get("gallery"), load = loader(dialog);
+// what: "start", "open", "new" or "join"; said: why it is shown.
+export async function showGallery(editor, what, said = "") {
+  const isJoined = what === "join", isNew = what === "new", dialog = at("gallery-dialog"), load = loader(dialog);
+  const fitting = ({ joins }) => !isJoined || joins, { kinds: allKinds, recipes } = await get("gallery"), kinds = allKinds.filter(fitting);
   const card = (list, picture, name, about, words, act) => {
     const button = make(make(list, "li", { "data-words": `${name} ${words} ${about}` }), "button", { type: "button", class: "card" });
     if (picture) addPicture(button, picture, load);
@@ -43,17 +46,18 @@ export async function showGallery(editor, isJoined = false) {
     button.addEventListener("click", () => { dialog.close(); Promise.resolve(act()).catch((error) => editor.announce(error.message)); });
   };
   for (const id of ["by-hand", "folder", "kinds", "examples"]) at(id).replaceChildren();
-  at("gallery-title").textContent = isJoined ? "Join a mechanism to a shaft" : "Open a recipe";
+  at("gallery-title").textContent = TITLES[what];
+  at("gallery-said").textContent = said;
   if (!isJoined) card(at("by-hand"), "", "empty linkage", "built by clicks: pivots, bars, plates, dyads, slides", "build draw empty new linkage", () => editor.startEmpty());
   const search = at("search");
   search.value = "";
   const find = () => narrow(dialog, search.value, ".cards, #kinds", at("no-match"));
   search.oninput = find;
-  const drafts = isJoined ? [] : draftsOf(editor.folder);
+  const drafts = isJoined || isNew ? [] : draftsOf(editor.folder);
   at("drafts-title").hidden = !drafts.length;
   at("drafts").replaceChildren();
   for (const draft of drafts) {
-    const item = make(at("drafts"), "li"), name = draft.recipe || `new ${draft.kind}`;
+    const item = make(at("drafts"), "li"), name = draft.recipe || `new ${draft.title || draft.kind}`;
     const act = (label, does) => make(item, "button", { type: "button" }, label).addEventListener("click", does);
     act(`${name}, ${new Date(+draft.id).toLocaleString()}`, async () => {
       dialog.close();
@@ -64,11 +68,11 @@ export async function showGallery(editor, isJoined = false) {
     });
     act("Discard", () => { forget(draft.id); item.remove(); });
   }
-  at("folder-title").hidden = !recipes.length;
+  at("folder-title").hidden = isNew || !recipes.length;
   const opened = kept(OPENED).filter(({ folder }) => folder === editor.folder).map(({ recipe }) => recipe);
   const order = ({ name }) => (opened.includes(name) ? opened.indexOf(name) : opened.length);
   at("folder-title").textContent = opened.length ? "In this folder, the last opened first" : "In this folder";
-  for (const { name, kind, title, words } of [...recipes].sort((a, b) => order(a) - order(b))) card(at("folder"), `picture?recipe=${encodeURIComponent(name)}`, name, title, `${kind} ${words}`, () => (isJoined ? editor.joinTo({ recipe: name }) : editor.open(name)));
+  if (!isNew) for (const { name, kind, title, words } of recipes.filter(fitting).sort((a, b) => order(a) - order(b))) card(at("folder"), `picture?recipe=${encodeURIComponent(name)}`, name, title, `${kind} ${words}`, () => (isJoined ? editor.joinTo({ recipe: name }) : editor.open(name)));
   for (const group of new Set(kinds.map((kind) => kind.group))) {
     make(at("kinds"), "h4", {}, group);
     const list = make(at("kinds"), "ul", { class: "cards" });
@@ -77,11 +81,12 @@ export async function showGallery(editor, isJoined = false) {
     }
   }
   find();
-  dialog.showModal();
-  // A mechanism that is joined is a file of the folder, or of a kind.
-  const { examples } = isJoined ? { examples: [] } : await get("examples");
+  if (!dialog.open) dialog.showModal();
+  // A finger would be met by a keyboard.
+  (matchMedia("(pointer: coarse)").matches ? at("gallery-title") : search).focus();
+  const { examples } = await get("examples");
   at("examples").replaceChildren();
-  for (const { name, kind, title, words } of examples) card(at("examples"), `picture?example=${encodeURIComponent(name)}`, name, title, `${kind} ${words}`, () => editor.startNew(kind, name));
+  for (const { name, kind, title, words } of examples.filter(fitting)) card(at("examples"), `picture?example=${encodeURIComponent(name)}`, name, title, `${kind} ${words}`, () => (isJoined ? editor.joinTo({ example: name }) : editor.startNew(kind, name)));
   find();
 }
 
@@ -110,17 +115,32 @@ function kept([key, most], change = (all) => all) {
 // The drafts of a folder, the newest first: { id, folder, recipe, kind, text, base }.
 export const draftsOf = (folder) => kept(DRAFTS).filter((draft) => draft.folder === folder);
 export const forget = (id) => kept(DRAFTS, (all) => all.filter((draft) => draft.id !== id));
-export const keep = (draft) => kept(DRAFTS, (all) => [draft, ...all.filter(({ id }) => id !== draft.id)]);
+
+// Keeps a draft: one for a recipe with a file, and one for a text, however often a link with it is opened.
+export function keep(draft) {
+  const isSame = ({ id, folder, recipe, text }) => id === draft.id || (folder === draft.folder && recipe === draft.recipe && (recipe !== "" || text === draft.text));
+  kept(DRAFTS, (all) => [draft, ...all.filter((other) => !isSame(other))]);
+}
 
 // Remembers that a recipe of a folder was opened.
 export function remember(folder, recipe) {
   kept(OPENED, (all) => [{ folder, recipe }, ...all.filter((other) => other.folder !== folder || other.recipe !== recipe)]);
 }
 
+// Why a text is no name of a file on all systems, as the command has it; "" if it is one.
+function flawOfName(name) {
+  const [bad] = name.match(/[/\\:*?"<>|\p{C}]/u) ?? [];
+  if (!name) return "Type a name.";
+  if (bad) return `A name of a file has no ${bad}; leave it out.`;
+  return /^[.-]|\.$/.test(name) ? "A name of a file begins with a letter or digit, and does not end with a dot." : "";
+}
+
 // Asks for a name and resolves to it, without `.toml`; to "" if the user cancels.
 export function chooseName(name) {
   const dialog = at("name-dialog"), input = at("file-name");
   input.value = name;
+  input.oninput = () => input.setCustomValidity(flawOfName(input.value.trim()));
+  input.oninput();
   dialog.returnValue = "";
   dialog.showModal();
   input.select();

@@ -1,6 +1,6 @@
 // The editor of the studio: it connects the player with its handles, the form, and the server that edits the recipe's text.
-import { linkOf, recipeIn } from "../player/links.js";
-import { make } from "../player/shapes.js";
+import { INCOMPLETE, linkOf, recipeIn } from "../player/links.js";
+import { make, spaced } from "../player/shapes.js";
 import { mount } from "../player/player.js";
 import { read } from "../player/plots.js";
 import { mountRows, showRows } from "../player/rows.js";
@@ -25,6 +25,8 @@ const ROOM = 0.3;
 // Largest time between presses of arrow keys on one handle that form one step of undo, ms.
 const ONE_STEP = 1000;
 const at = (id) => document.getElementById(id);
+// A key as the headings of the form have it.
+const inWords = (key) => spaced(key.replace(/\[(\d+)\]/g, (_, k) => ` ${+k + 1}`)).replaceAll(".", " ");
 
 class Editor {
   constructor() {
@@ -37,9 +39,9 @@ class Editor {
     this.pane = new TextPane(at("text"), this);
     this.tools = new Tools(at("tools"), this);
     const acts = {
-      gallery: () => showGallery(this), new: () => showGallery(this), join: () => showGallery(this, true), save: () => this.save(), "save-as": () => this.saveAs(),
+      gallery: () => showGallery(this, "open"), new: () => showGallery(this, "new"), join: () => showGallery(this, "join"), save: () => this.save(), "save-as": () => this.saveAs(),
       undo: () => this.travel("undo"), redo: () => this.travel("redo"), make: () => this.make(), stop: () => this.stop(),
-      "share-link": () => this.copy(linkOf(this.text), "The link is copied; it holds the whole recipe"),
+      "share-link": () => this.copy(linkOf(this.text, location.origin), "The link is copied; it holds the whole recipe"),
       "share-zip": () => this.zip(), "share-python": () => this.copy(python(this.text), "The recipe as Python is copied"),
     };
     for (const [id, act] of Object.entries(acts)) at(id).addEventListener("click", act);
@@ -51,6 +53,8 @@ class Editor {
       at("quantities-part").open = true;
       at("quantities-part").scrollIntoView({ block: "nearest" });
     });
+    // What was said of one act ends with the next one.
+    for (const act of ["pointerdown", "keydown"]) document.addEventListener(act, () => this.announce(""), true);
     document.addEventListener("keydown", (event) => this.key(event));
     addEventListener("hashchange", () => this.loadShared());
     addEventListener("beforeunload", (event) => { if (this.isDirty && !this.isKept) event.preventDefault(); });
@@ -67,7 +71,7 @@ class Editor {
     this.isKept = text !== "";
     // A link may have the recipe.
     if (!this.loadShared()) {
-      if (first) await this.open(first); else if (text) this.load(text, "", ""); else await showGallery(this);
+      if (first) await this.open(first); else if (text) this.load(text, "", ""); else await showGallery(this, "start");
     }
     if (first && text && this.recipe === first && text !== this.text) {
       this.history.begin(this.text);
@@ -130,8 +134,8 @@ class Editor {
   }
 
   // Continues with a text that was not saved; undo restores that of the file.
-  restore({ id, text, recipe, base }) {
-    if (!recipe) { this.load(text, "", ""); forget(id); return; }
+  restore({ id, text, recipe, base, title }) {
+    if (!recipe) { this.load(text, "", "", title); forget(id); return; }
     this.whenIdle(() => {
       this.history.begin(this.text);
       this.base = base;
@@ -143,7 +147,7 @@ class Editor {
   // Starts with the template of a kind, or with a recipe of the gallery.
   async startNew(kind, example) {
     const started = await this.latest(post("new", example ? { example } : { kind }));
-    if (started) this.load(started.text, "", "");
+    if (started) this.load(started.text, "", "", example);
   }
 
   // Starts a linkage without links, with the tools that build it.
@@ -169,24 +173,43 @@ class Editor {
     const { hash } = location;
     if (!hash) return false;
     history.replaceState(null, "", location.pathname);
-    try {
-      const text = recipeIn(hash);
-      if (text === null) return false;
-      this.load(text, "", "");
-    } catch { this.announce("This link holds no recipe"); return false; }
+    let text;
+    try { text = recipeIn(hash); } catch { showGallery(this, "start", INCOMPLETE); return true; }
+    if (text === null) return false;
+    const { text: former, recipe, base, savedText, title } = this;
+    this.load(text, "", "");
     // Unlike a template it is kept from the start.
-    this.firstText = "";
+    Object.assign(this, { firstText: "", before: { text: former, recipe, base, savedText, title } });
     return true;
   }
 
+  // Why the answer to a link shows no recipe; "" if it does.
+  flawOfLink({ problems, text }) {
+    const has = (...ids) => problems.some(({ key, id }) => ids.includes(id) && (id !== "unknown-kind" || key === "kind"));
+    if (has("invalid-toml") || (has("missing-key") && !text.endsWith("\n"))) return INCOMPLETE;
+    const [first] = has("unknown-kind") ? problems : [];
+    return first ? `This link holds no recipe of this geomkin: ${first.key}: ${first.problem}; ${first.remedy}` : "";
+  }
+
+  // Goes back to what was open before a link, with the list of recipes over it.
+  refuseLink(said, { text, savedText, recipe, base, title }) {
+    this.texts += 1;
+    if (text) { this.load(text, recipe, base, title); this.savedText = savedText; } else Object.assign(this, { text: "", firstText: "" });
+    return showGallery(this, "start", said);
+  }
+
   // Loads another text. It counts as saved if it has the name of a file.
-  load(text, recipe, base) {
+  // title: the name that is proposed for one without a file.
+  load(text, recipe, base, title = "") {
     this.history.clear();
+    this.announce("");
     if (recipe) remember(this.folder, recipe);
     Object.assign(this, { text, recipe, base, seen: base, savedText: recipe ? text : "", savedScene: null, kind: "", isJustLoaded: true, checked: [] });
     // A template is not worth keeping before it is changed.
-    Object.assign(this, { draft: `${Date.now()}`, firstText: text, drawnText: null });
+    Object.assign(this, { draft: `${Date.now()}`, firstText: text, drawnText: null, title, before: null });
     this.locks.clear();
+    this.tools.choose("move");
+    for (const scrolled of [at("form"), document.querySelector("aside")]) scrolled.scrollTop = 0;
     this.tools.own.photo.remove();
     this.tools.own.pose.forget();
     for (const id of ["conflict", "candidates", "known"]) at(id).hidden = true;
@@ -434,26 +457,31 @@ class Editor {
 
   // set: values by key that were changed.
   async show(reply, set) {
-    const { texts } = this;
+    const { texts, before } = this, flaw = before ? this.flawOfLink(reply) : "";
+    this.before = null;
+    if (flaw) { await this.refuseLink(flaw, before); return; }
     this.text = reply.text;
     this.reply = reply;
     document.body.classList.toggle("unchecked", this.text !== this.checkedText);
-    if (Object.keys(reply.values).length) this.values = reply.values;
+    // A wrong text that is opened shows the values that it states; of one that is edited the form keeps what was typed.
+    const values = Object.keys(reply.values).length ? reply.values : this.isJustLoaded ? reply.written : null;
+    if (values) this.values = values;
     await this.describe(reply);
     if (texts !== this.texts) return;
     if (this.text === this.savedText || this.isJustLoaded) this.saved = this.values;
     if (reply.scene) this.showScene(reply); else this.showOpen(reply, set);
-    // Without values of this text the form keeps what was typed.
-    if (Object.keys(reply.values).length || this.isJustLoaded) this.form.show(this.values, this.saved, this.text, reply.unavailable);
+    if (values) this.form.show(this.values, this.saved, this.text, reply.unavailable);
     this.showProblems(reply.problems);
     this.showQuantities(reply.quantities);
     at("limit").hidden = !reply.limit;
-    at("limit").textContent = reply.limit ? `${reply.limit.reason}${reply.limit.keys.length ? ` (${reply.limit.keys.join(", ")})` : ""}` : "";
+    at("limit").textContent = reply.limit ? `${reply.limit.reason}${reply.limit.keys.length ? ` (${reply.limit.keys.map(inWords).join(", ")})` : ""}` : "";
     this.showState();
   }
 
   // Loads the form of the recipe's kind, and again if the recipe has other tables or kinds inside.
-  async describe({ kind, values }) {
+  async describe({ kind, problems }) {
+    const { values } = this;
+    if (problems.some(({ key, id }) => key === "kind" && id === "unknown-kind")) { this.form.describe([]); return; }
     const tables = JSON.stringify(Object.entries(values).map(([key, value]) => (key === "units" || key.endsWith(".kind") ? [key, value] : key)));
     if (!kind || (kind === this.kind && (tables === this.tables || tables === "[]"))) return;
     const { groups } = await post("form", { kind, values });
@@ -466,7 +494,7 @@ class Editor {
     document.body.classList.toggle("unfinished", unfinished !== "");
     const canBuild = structure || ["path-generator", "body-guidance"].includes(reply.kind);
     at("build").hidden = !canBuild;
-    if (reply.shafts.length || !this.handles?.held) at("join").hidden = !reply.shafts.length;
+    at("join").hidden = !reply.shafts.length;
     const copy = this.text === this.savedText || this.isJustLoaded ? structuredClone(scene) : null;
     if (!this.player) {
       this.player = mount(at("player"), scene);
@@ -493,7 +521,7 @@ class Editor {
     this.showChoice(scene.choice);
     this.tools.load(reply);
     if (!canBuild && !at("tools").hidden) this.showTools(false);
-    if (wasUnfinished && structure && !unfinished && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.player.play(true);
+    if (wasUnfinished && structure && !unfinished && !this.tools.isActive && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.player.play(true);
   }
 
   // Shows the gap of a mechanism that cannot be assembled. Its values are those of the last scene and what was set since.
@@ -558,7 +586,7 @@ class Editor {
 
   addQuantity(id, label, value, check) {
     const row = make(at("quantities"), "tr", { "data-id": id, class: check?.state ?? "" });
-    make(row, "th", { scope: "row" }, label);
+    make(row, "th", { scope: "row" }, spaced(label));
     make(row, "td", id ? {} : { colspan: 2 }, value);
     if (id) make(row, "td", {}, check?.state ?? "");
     if (!check || check.state === "pass") return;
@@ -594,19 +622,22 @@ class Editor {
   }
 
   showState() {
-    at("name").textContent = this.recipe || `new ${this.kind}`;
+    at("name").textContent = this.recipe || `new ${this.title || this.kind}`;
     at("dirty").hidden = !this.isDirty;
-    if (this.isDirty && this.text !== this.firstText) keep({ id: this.draft, folder: this.folder, recipe: this.recipe, kind: this.kind, text: this.text, base: this.base });
+    if (this.isDirty && this.text !== this.firstText) keep({ id: this.draft, folder: this.folder, recipe: this.recipe, kind: this.kind, title: this.title, text: this.text, base: this.base });
     else forget(this.draft);
-    document.title = `${this.isDirty ? "• " : ""}${this.recipe || this.kind || "geomkin"} – studio`;
+    document.title = `${this.isDirty ? "• " : ""}${this.suggested || "geomkin"} – studio`;
   }
+
+  // The name under which it is saved or made, unless another one is given.
+  get suggested() { return this.recipe || this.title || this.kind; }
 
   announce(text) { at("status").textContent = text; }
 
   // Announces the keys of a handle with their new values in the status line.
   announceChange(label) {
     const handle = this.reply?.handles.find((other) => other.label === label);
-    const values = (handle?.keys ?? []).map((key) => `${key} ${JSON.stringify(this.values[key] ?? "")}`);
+    const values = (handle?.keys ?? []).map((key) => `${inWords(key)} ${JSON.stringify(this.values[key] ?? "")}`);
     this.announce(`${label}: ${values.join(", ")}`);
   }
 
@@ -632,7 +663,7 @@ class Editor {
   }
 
   async saveAs() {
-    const name = await chooseName(this.recipe || this.kind);
+    const name = await chooseName(this.suggested);
     if (name) await this.save(name, name === this.recipe ? this.base : "");
   }
 
@@ -691,7 +722,7 @@ class Editor {
   async make() {
     if (this.problems.length) { this.announce("No files made: correct the marked values first"); return; }
     try {
-      const { job } = await post("make", { text: this.text, recipe: this.recipe || this.kind });
+      const { job } = await post("make", { text: this.text, recipe: this.suggested });
       const { state, result } = await this.follow(job);
       if (state === "stopped" || !result) { this.announce("Stopped"); return; }
       if (result.problems.length) { this.showProblems(result.problems); return; }

@@ -1,5 +1,5 @@
 // The form of a recipe: one input for every value, named by the dotted key of the value.
-import { make, niceLength } from "../player/shapes.js";
+import { make, niceLength, spaced } from "../player/shapes.js";
 import { measured, unitOf } from "../player/plots.js";
 
 const LOCK = "M4 8V5.5a3 3 0 0 1 6 0V8M2.5 8h9v6h-9z", OPEN = "M4 8V5.5a3 3 0 0 1 5.6-1.5M2.5 8h9v6h-9z";
@@ -13,7 +13,7 @@ let ids = 0;
 export class Form {
   // editor has `locks`, a set of keys, `typing`, and the methods set(changes, name), close(), reset(key, field), relock().
   constructor(root, editor) {
-    Object.assign(this, { root, editor, values: {}, saved: {}, fields: new Map(), problems: [] });
+    Object.assign(this, { root, editor, groups: [], values: {}, saved: {}, fields: new Map(), problems: [] });
     root.addEventListener("input", (event) => this.input(event.target));
     root.addEventListener("change", ({ target }) => {
       const value = valueOf(target);
@@ -103,7 +103,7 @@ export class Form {
     const keys = field.type === "table" ? this.below(key) : [];
     if (keys.length) {
       const box = make(part, "fieldset", {});
-      make(box, "legend", {}, key.slice(part.dataset.key.length + (part.dataset.key ? 1 : 0)));
+      make(box, "legend", {}, spaced(key.slice(part.dataset.key.length + (part.dataset.key ? 1 : 0))));
       for (const inner of keys) {
         this.addField(box, { key: inner, label: inner.slice(key.length + 1), type: typeOf(this.values[inner]), unit: "", help, optional: true });
       }

@@ -30,16 +30,32 @@ export class Ghost {
     this.show(this.drawing.frame ?? 0);
   }
 
+  // The row of the former mechanism, and the share of the way to the next one, with the driver where it is at a frame; rows
+  // of a driver that goes forth and back are those nearest in time.
+  placeOf(frame) {
+    const { drive, frames, data } = this.drawing, [{ row, name }] = this.data.columns, value = drive[frame];
+    if (name !== data.columns[0].name) return [-1, 0];
+    const wanted = frame * (this.frames - 1) / Math.max(frames - 1, 1), near = 1e-6 * Math.abs(row[this.frames - 1] - row[0]);
+    let best = [-1, 0], least = Infinity;
+    for (let k = 0; k < this.frames; k++) {
+      const step = row[k + 1] - row[k], share = Math.abs(value - row[k]) <= near ? 0 : (value - row[k]) / step;
+      if (share >= 0 && share < 1 && Math.abs(k - wanted) < least) [best, least] = [[k, share], Math.abs(k - wanted)];
+    }
+    return best;
+  }
+
   show(frame) {
     if (!this.data) return;
-    const { drawing } = this, { s } = drawing, k = Math.min(frame, this.frames - 1);
+    const { drawing } = this, { s } = drawing, [k, share] = this.placeOf(frame);
+    // Between two rows of another step; unknown, and so not drawn, where the driver was not.
+    const at = (row) => (share ? row[k] + share * (row[k + 1] - row[k]) : row[k] ?? NaN);
     for (const { group, x, y, turn } of this.bodies) {
-      const [u, v] = drawing.screen(x[k], y[k]), c = s * Math.cos(turn[k] * DEG), n = s * Math.sin(turn[k] * DEG);
+      const [u, v] = drawing.screen(at(x), at(y)), c = s * Math.cos(at(turn) * DEG), n = s * Math.sin(at(turn) * DEG);
       see(group, isFinite(u + c));
       if (isFinite(u + c)) group.setAttribute("transform", `matrix(${c.toFixed(4)} ${(-n).toFixed(4)} ${(-n).toFixed(4)} ${(-c).toFixed(4)} ${px(u)} ${px(v)})`);
     }
     for (const { path, ends: [x, y, u, v] } of this.lines) {
-      const from = drawing.screen(x[k], y[k]), to = drawing.screen(x[k] + u[k], y[k] + v[k]);
+      const from = drawing.screen(at(x), at(y)), to = drawing.screen(at(x) + at(u), at(y) + at(v));
       path.setAttribute("d", isFinite(from[0] + to[0]) ? `M${from.map(px)}L${to.map(px)}` : "");
     }
     const view = [s, drawing.tx, drawing.ty].join();

@@ -10,7 +10,7 @@ const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], Arrow
 export class Handles {
   // editor has the methods startDrag(handle), drag(handle, { to, frame, step, snap }), endDrag(handle), nudge(handle, drag).
   constructor(player, editor) {
-    Object.assign(this, { player, editor, elements: new Map(), list: [], held: null });
+    Object.assign(this, { player, editor, elements: new Map(), list: [], held: null, doubled: new Set() });
     const [drawing] = player.drawings;
     drawing.overlays.push(this);
     this.onDrawing = {
@@ -18,6 +18,7 @@ export class Handles {
       screen: (x, y) => drawing.screen(x, y),
       plane: (event) => drawing.plane(drawing.onStage(event)),
       get pixel() { return 1 / drawing.s; },
+      get width() { return drawing.wide; },
     };
     player.plots.drawn = () => this.show(player.frame);
   }
@@ -25,6 +26,14 @@ export class Handles {
   // Shows these handles in place of the previous ones. An element whose id remains keeps its focus and its pointer.
   load(handles) {
     this.list = handles;
+    const labels = new Set(handles.filter(({ id }) => /^point:(?!wanted)/.test(id)).map(({ label }) => label));
+    // Names of the drawing that handles have as well: one of the two is shown.
+    this.doubled = new Set();
+    for (const { shape } of this.player.drawings[0].named.all) {
+      if (!labels.has(shape.textContent)) continue;
+      shape.classList.add("doubled");
+      this.doubled.add(shape.textContent);
+    }
     for (const element of this.elements.values()) if (element !== this.held || !this.editor.isSearch) element.pointer = null;
     const ids = new Set(handles.map(({ id }) => id));
     for (const [id, element] of this.elements) {
@@ -61,6 +70,10 @@ export class Handles {
       see(element.root, isKnown);
       if (!isKnown) continue;
       element.root.setAttribute("transform", `translate(${px(x)} ${px(y)})`);
+      element.root.classList.toggle("named", this.doubled.has(handle.label) && !this.player.drawings[0].hidden.has("names"));
+      // Its label is not cut at the top or the right.
+      const isFar = x > 0.7 * surface.width;
+      Object.entries({ x: isFar ? -12 : 12, y: y < 24 ? 22 : -10, "text-anchor": isFar ? "end" : "start" }).forEach(([name, at]) => element.tip.setAttribute(name, at));
       const r = handle.shape === "circle" ? handle.radius / surface.pixel : 0;
       for (const rim of element.rims) rim.setAttribute("r", px(r));
       this.drawArrow(element);
@@ -97,6 +110,7 @@ export class Handles {
     Object.assign(root.style, { left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px` });
     return {
       root,
+      width,
       screen: (x, y) => [plot.valToPos(x, "x"), plot.valToPos(y, "y")],
       plane: (event) => {
         const { left, top } = over.getBoundingClientRect();
@@ -117,7 +131,7 @@ export class Handles {
       make(root, "path", { class: "knob", d: "M-7 0 0-7 7 0 0 7z" });
     }
     make(root, "title");
-    make(root, "text", { class: "tip", x: 12, y: -10 });
+    element.tip = make(root, "text", { class: "tip" });
     this.stopAt(root);
     root.addEventListener("keydown", (event) => this.key(element, event));
     this.followPointer(element);
@@ -134,7 +148,7 @@ export class Handles {
       this.player.play(false);
     });
     root.addEventListener("pointerleave", () => {
-      if (isStopped) this.player.play(true);
+      if (isStopped && !this.editor.tools.isActive) this.player.play(true);
       isStopped = false;
     });
   }

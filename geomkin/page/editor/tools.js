@@ -46,6 +46,12 @@ function apart([u, v], [p, q], [x, y]) {
   return hypot(u + share * a - x, v + share * b - y);
 }
 
+// Whether a place is inside a polygon.
+const isInside = ([x, y], corners) => corners.reduce((inside, [u, v], k) => {
+  const [p, q] = corners.at(k - 1);
+  return (v > y) !== (q > y) && x < u + (p - u) * (y - v) / (q - v) ? !inside : inside;
+}, false);
+
 // The key of the motor in the form.
 const MOTOR = "stock.motor";
 
@@ -93,7 +99,7 @@ export class Tools {
   // Shows the tools of a linkage, with what it still lacks; structure: the names of an answer.
   load(reply) {
     const { structure, unfinished, springs } = reply;
-    Object.assign(this, { structure, springs, clicks: [], stroke: null });
+    Object.assign(this, { structure, springs, clicks: [], hover: null, stroke: null });
     this.own.pose.load(reply);
     if (this.shafts) this.choose("move");
     for (const button of this.buttons) button.hidden = !structure && !ALWAYS.includes(button.dataset.tool);
@@ -177,6 +183,8 @@ export class Tools {
   get places() {
     const { handles: { list }, player: { frame } } = this.editor, places = new Map(), { drawing } = this;
     const add = (name, x, y) => { if (isFinite(x + y) && !places.has(name)) places.set(name, drawing.screen(x, y)); };
+    // A handle that is shown elsewhere, as where a linkage is open, is where its point is drawn.
+    for (const [id, { pointer }] of this.editor.handles.elements) if (pointer && id.startsWith("point:")) add(id.slice(6), ...pointer);
     for (const { sort, label, x, y } of drawing.marks) if (["pin", "fixed pin", "point", "slide"].includes(sort)) add(label, x[frame], y[frame]);
     for (const { id, at } of list) if (id.startsWith("point:")) add(id.slice(6), ...at.map((row) => (Array.isArray(row) ? row[frame] : row)));
     return places;
@@ -209,12 +217,26 @@ export class Tools {
     const load = wanted.includes("load") && this.loads.find(({ from, to }) => apart(from, to, at) < NEAR_BODY);
     if (load) return { ...click, load: load.load, name: load.label, line: [load.from, load.to] };
     if (!wanted.includes("body")) return click;
+    const moving = Object.entries(bodies).filter(([name]) => name !== ground), plated = this.bodyOn(event, moving);
+    if (plated) return { ...click, body: plated };
     let body = null, least = NEAR_BODY;
-    for (const [name, points] of Object.entries(bodies)) {
-      const off = name === ground ? Infinity : this.distance(points, places, at);
+    for (const [name, points] of moving) {
+      const off = this.distance(points, places, at);
       if (off < least) [body, least] = [name, off];
     }
+    body ??= moving.find(([, points]) => isInside(at, points.flatMap((name) => (places.has(name) ? [places.get(name)] : []))))?.[0];
     return body ? { ...click, body } : click;
+  }
+
+  // The body whose plate is the uppermost under an event; null if none is drawn there.
+  bodyOn({ clientX, clientY }, moving) {
+    if (document.body.classList.contains("open")) return null;
+    const key = ({ at, turn }) => [...at, turn].join(), { bodies } = this.drawing;
+    // Plates of the same body move with the one that has its name.
+    const names = new Map(moving.flatMap(([name]) => bodies.filter((body) => body.name === name).map((body) => [key(body), name])));
+    const isUnder = ({ group }) => group.isThere && [...group.querySelectorAll(".plate")].some((plate) => plate.isPointInFill(new DOMPoint(clientX, clientY).matrixTransform(plate.getScreenCTM().inverse())));
+    const found = bodies.filter((body) => names.has(key(body)) && isUnder(body)).reduce((best, body) => (!best || body.layer >= best.layer ? body : best), null);
+    return found && names.get(key(found));
   }
 
   // --- clicks ----------------------------------------------------------------------------------------------------------

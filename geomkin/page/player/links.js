@@ -2,19 +2,24 @@
 import { make } from "./shapes.js";
 import { offer } from "./pictures.js";
 
-// Where a studio on this machine opens a link.
-const STUDIO = "http://127.0.0.1:8017/open", SIGN = "#recipe=";
+// Where a studio on this machine opens a link, unless it says where it is.
+const STUDIO = "http://127.0.0.1:8017", SIGN = "#recipe=";
 
-export function linkOf(text) {
+export function linkOf(text, studio = STUDIO) {
   const bytes = Array.from(new TextEncoder().encode(text), (byte) => String.fromCharCode(byte)).join("");
-  return `${STUDIO}${SIGN}${btoa(bytes).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "")}`;
+  return `${studio}/open${SIGN}${btoa(bytes).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "")}`;
 }
+
+// What is said of a link that holds a part of a recipe.
+export const INCOMPLETE = "This link is incomplete: copy all of it";
 
 // The recipe in the part of an address from # on; null if there is none, and an error if it is damaged.
 export function recipeIn(hash) {
   if (!hash.startsWith(SIGN)) return null;
   const bytes = Uint8Array.from(atob(hash.slice(SIGN.length).replaceAll("-", "+").replaceAll("_", "/")), (sign) => sign.charCodeAt(0));
-  return new TextDecoder("utf-8", { fatal: true }).decode(bytes);
+  const text = new TextDecoder("utf-8", { fatal: true }).decode(bytes);
+  if (!/^\s*["']?kind["']?\s*=/m.test(text)) throw new Error(INCOMPLETE);
+  return text;
 }
 
 // Opens a recipe in the studio: in another tab, or in this one where no other may be opened.
@@ -30,11 +35,12 @@ export function mountRecipe(name) {
   on("save-recipe", () => offer(text(), `${name}.toml`, "text/plain"));
   on("open-recipe", () => openInStudio(text()));
   const greet = () => {
-    let recipe = null;
-    try { recipe = recipeIn(location.hash); } catch { /* A damaged link holds nothing to offer. */ }
+    let recipe = null, isWhole = true;
+    try { recipe = recipeIn(location.hash); } catch { isWhole = false; }
     document.getElementById("linked")?.remove();
-    if (recipe === null || !page) return;
-    const line = make(page, "p", { id: "linked", role: "status" });
+    if ((recipe === null && isWhole) || !page) return;
+    const line = make(page, "p", { id: "linked", role: "status" }, isWhole ? "" : `${INCOMPLETE}.`);
+    if (!isWhole) return;
     make(line, "span", {}, "The link that you opened holds another recipe: ");
     const button = (label, act) => {
       make(line, "button", { type: "button" }, label).addEventListener("click", act);

@@ -59,6 +59,7 @@ class Player {
     this.clock = this.time[this.frame];
     this.plots.load(data);
     this.fillTable();
+    for (const drawing of this.drawings) drawing.frame = this.frame;
     if (drawings === this.drawings.length) for (const drawing of this.shownDrawings) drawing.look(drawing.by, drawing.at);
     else this.fit(true);
     this.show(true);

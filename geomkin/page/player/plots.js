@@ -154,7 +154,7 @@ export class Plots {
         { ...axis, label, size: 34, ...(drive.unit === "deg" ? { incrs: DEGREES } : {}), values: write("x") },
         { ...axis, label: unit, size: 58, values: write("y") },
       ],
-      series: [{}, ...columns.map((column, k) => ({ label: column.name, stroke: strokes[k], width: 1.75, dash: DASHES[k % 6], points: { show: !!column.spot, size: 6 } }))],
+      series: [{}, ...columns.map((column, k) => ({ label: column.name, stroke: strokes[k], width: 1.75, dash: DASHES[k % 6], points: { show: true, size: 6, filter: ({ data }, k) => (column.spot ? null : alone(data[k])) } }))],
       hooks: { draw: [(plot) => { drawLimits(plot, this.limitsOf(card), colour("--wanted"), colour("--paper"), font); this.show(this.frame); this.drawn?.(card); }], setCursor: [(plot) => this.hover(card, plot)] },
     }, this.curves(card), card.chart);
     this.label(card, strokes);
@@ -264,6 +264,9 @@ export class Plots {
     }
   }
 }
+
+// Indices of known values between unknown ones, which no curve shows.
+const alone = (row) => [...row.keys()].filter((k) => row[k] !== null && (row[k - 1] ?? null) === null && (row[k + 1] ?? null) === null);
 
 // A key of the axes and curves of a plot, which is built again if they change.
 const lookOf = (data, columns) => JSON.stringify([0, ...columns].map((k) => [data.columns[k].name, data.columns[k].unit]));

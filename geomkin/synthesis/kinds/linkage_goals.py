@@ -225,8 +225,7 @@ def _label(rank: int, found: Found) -> str:
     """A label that distinguishes a linkage from the others."""
     angle = f"transmission angle {found.transmission_angle_deg:.3g} deg, " if not found.defects else ""
     defects = f", with a defect of {' and '.join(found.defects)}" if found.defects else ""
-    bars = f"{len(found.linkage.linkage.bodies)} bars, "
-    return f"{rank}: {found.accuracy}{bars}{angle}ratio of links {found.ratio:.3g}{defects}"
+    return f"{rank}: {found.bars} bars, {found.accuracy}{angle}ratio of links {found.ratio:.3g}{defects}"
 
 
 def strokes_of(linkage: AbstractLinkage, branch: int, drive_range: tuple[float, float]) -> tuple[Complex, ...]:

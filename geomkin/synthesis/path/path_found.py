@@ -121,9 +121,9 @@ class PathFound(Found):
 
     @property
     def accuracy(self) -> str:
-        """Number of bars, and the deviation as a share of the size of the path."""
+        """The deviation as a share of the size of the path."""
         size = _diagonal(self.points)
-        return f"{self.bars} bars, {100 * self.deviation / size:.2g} % off, " if size else ""
+        return f"{100 * self.deviation / size:.2g} % off, " if size else ""
 
     @property
     def deviation(self) -> float:
