@@ -67,11 +67,11 @@ ENDINGS, STEM = ("ing", "ed", "es", "s"), 4
 
 def wished(wish: str, texts: Mapping[str, str]) -> list[str]:
     """Names of the texts with all words of a wish or, if none has, with most of them; else none."""
-    words = re.findall(r"\w+", wish.casefold())
+    words = WORD.findall(wish.casefold())
     wanted = [_stem(word) for word in [word for word in words if word not in FILLERS] or words]
     counts = dict.fromkeys(texts, 0)
     for name, text in texts.items():
-        known = set(re.findall(r"\w+", text.casefold().replace("_", " ")))
+        known = set(WORD.findall(text.casefold()))
         # A short word is a whole one.
         counts[name] = sum(
             word in known if len(word) < 3 else any(other.startswith(word) for other in known) for word in wanted
