@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.errors import DesignError, printable, shown
 from ...core.field_visitor import WrittenForm
-from ...core.fields import FARTHEST, ComplexPoint, Length, Ratio, clipped, entry, point_of, quantity
+from ...core.fields import FARTHEST, ComplexPoint, Length, Ratio, clipped, entry, point_of, quantity, to_digits
 from ...core.names import Folder, csv_cells, read_text_file
 from ...core.records import record
 from ...core.units import INCH, marked
@@ -512,10 +512,12 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
             "cognates": cognates,
         }
         if self.wanted.bars > 4:
-            # The nearest with each number of bars, by rank.
+            # By rank in the list of linkages.
             entries["front"] = [
                 {"choose": 1 + next(k for k, one in enumerate(best.ranked) if one is found), "bars": found.bars}
                 | {f"{name}_mm": value for name, value in found.errors.items() if name.endswith("largest_distance")}
+                | {"transmission_angle_deg": to_digits(found.transmission_angle_deg, 6)}
+                | {"extent": to_digits(found.extent, 6)}
                 for found in best.front
             ]
         if best.path_count is not None:

@@ -144,7 +144,7 @@ class PathFound(Found):
             sentences.append(f"The curve crosses itself {count} times, which few linkages follow: {remedy}.")
         return tuple(sentences)
 
-    @property
+    @cached_property
     def extent(self) -> float:
         """Size of the place that all pins and the traced point need over a turn, as a multiple of the path's."""
         motion = move(self.linkage, np.linspace(0, 2 * np.pi, 61), self.branch)
@@ -170,15 +170,22 @@ class PathFound(Found):
 
     @property
     def front(self) -> tuple[PathFound, ...]:
-        """Those of `ranked` without defects to which none with as few bars is nearer; the fewest bars first."""
-        best: dict[int, PathFound] = {}
-        for found in self.ranked:
-            nearest = best.get(found.bars)
-            if not found.defects and (nearest is None or found.deviation < nearest.deviation):
-                best[found.bars] = found
-        in_order = [best[bars] for bars in sorted(best)]
-        nearer = np.minimum.accumulate([np.inf, *(found.deviation for found in in_order)])
-        return tuple(found for found, limit in zip(in_order, nearer) if found.deviation < limit)
+        """Those of `ranked` without defects that no other one equals in bars, distance, transmission angle and extent.
+
+        Differences of 2 % do not count. The fewest bars first, and of these the nearest.
+        """
+        sound = sorted((one for one in self.ranked if not one.defects), key=lambda one: (one.bars, one.deviation))
+        kept: list[PathFound] = []
+        for found in sound:
+            if not any(other._equals(found) for other in kept):
+                kept.append(found)
+        return tuple(kept)
+
+    def _equals(self, other: PathFound) -> bool:
+        """Whether it is nearly as good as another one in all respects, or better."""
+        costs = np.array([[one.bars, one.deviation, one.extent] for one in (self, other)])
+        angles = self.transmission_angle_deg, other.transmission_angle_deg
+        return bool((costs[0] <= (1 + NEARLY) * costs[1]).all() and (1 + NEARLY) * angles[0] >= angles[1])
 
     @cached_property
     def cognates(self) -> tuple[Cognate, ...]:
