@@ -9,6 +9,7 @@ import numpy as np
 from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
 from ..core.records import record
+from ..core.units import rounded_up
 from ..plane.vec import Real, dot
 from .motion import Motion, is_translating
 
@@ -65,8 +66,8 @@ def longest_dwell(motion: Motion, output: str, band: PositiveFloat) -> OutputDwe
     Raises
     ------
     DesignError
-        If the linkage has no such body, the body neither turns nor slides on the ground, or no two neighbouring frames
-        are reached.
+        If the linkage has no such body, the body neither turns nor slides on the ground, no two neighbouring frames are
+        reached, or the band is narrower than the output moves between points at which it is evaluated.
 
     Notes
     -----
@@ -84,9 +85,13 @@ def longest_dwell(motion: Motion, output: str, band: PositiveFloat) -> OutputDwe
         value, slope = np.append(value, value[1:] + (value[-1] - value[0])), np.append(slope, slope[1:])
     t, y = _between(drive, value, slope)
     start, end = _longest(t, y, float(band))
-    if start == end:
+    steps = np.abs(np.diff(y))
+    if not np.isfinite(steps).any():
         problem = "found no two neighbouring frames that are reached"
         raise DesignError("motion", problem, "give drives that it reaches", "does-not-assemble")
+    if start == end:
+        least, problem = float(np.nanmin(steps)), f"found {band:g}, within which the output stays nowhere"
+        raise DesignError("band", problem, f"give at least {rounded_up(least)}", "out-of-range", least)
     # Extended to the points at which it leaves the band, at the end and then at the start.
     t_end, y_end = _leaves_band_at(t, y, end, end + 1, y[start : end + 1], float(band))
     t_start, y_start = _leaves_band_at(t, y, start, start - 1, np.append(y[start : end + 1], y_end), float(band))

@@ -238,6 +238,11 @@ class AbstractAspect(Generic[M, T]):
         return {}
 
     @property
+    def quantities(self) -> Mapping[str, str]:
+        """Results that an editor shows next to the checks, by label."""
+        return {}
+
+    @property
     def remarks(self) -> Iterator[str]:
         """Sentences on the result for page and terminal."""
         return iter(())

@@ -96,6 +96,11 @@ class AbstractComposedRecipe(AbstractAssembledRecipe):
         return scene
 
     @property
+    def quantities(self) -> Mapping[str, str]:
+        """Those of the aspects; a kind adds its own."""
+        return {label: text for aspect in self.aspects for label, text in aspect.quantities.items()}
+
+    @property
     def remarks(self) -> tuple[str, ...]:
         return (*self.own_remarks, *(remark for aspect in self.aspects for remark in aspect.remarks))
 

@@ -70,6 +70,14 @@ def test_refusals() -> None:
         assert caught.value.field == field
 
 
+def test_a_band_that_is_too_narrow_names_one_that_is_wide_enough() -> None:
+    motion = gk.move(SIX_BAR, np.radians(np.arange(0, 361.0)))
+    with pytest.raises(gk.DesignError) as caught:
+        longest_dwell(motion, "output", 1e-12)
+    assert caught.value.field == "band"
+    assert 0 < longest_dwell(motion, "output", float(caught.value.remedy.split()[-1])).range < np.radians(1)
+
+
 def test_grashof_sums_agree_with_the_links_that_turn_fully() -> None:
     rng = np.random.default_rng(5)
     for lengths in rng.uniform(20, 100, (200, 4)).tolist():

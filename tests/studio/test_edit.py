@@ -255,6 +255,9 @@ def test_quantities_beside_the_scene():
     low, _, high, _ = bar["transmission angle"].split()
     assert float(low) == pytest.approx(least, abs=0.01) and 89 < float(high) <= 90
     assert bar["Grashof type"] == "crank-rocker"
+    # By how much the crank turns while the output stands still.
+    way, start, end = re.findall(r"[\d.]+", quantities("stephenson-dwell")["dwell of output"])
+    assert float(way) == pytest.approx(float(end) - float(start), abs=0.2) and 100 < float(way) < 120
     # A worked example of gear handbooks.
     assert quantities("gear-pair")["centre distance"] == "56.4999 mm"
     assert quantities("undercut-cam")["undercut"] != "none" == quantities("roller-cam")["undercut"]

@@ -13,7 +13,7 @@ from ...core.arguments import between
 from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
-from ...core.units import mm
+from ...core.units import mm, rounded_up
 from ...model.check import Check
 from ...model.scene import Limit, Plot, Scene, SceneCurve, SceneHandle, point_handle
 from ...model.table import Column, Table
@@ -56,7 +56,7 @@ class DwellBand:
             "dwell.output", f"found {shown(self.output)}", f"give one of {', '.join(moving)}", "unknown-key"
         )
 
-    def found(self, motion: Motion) -> Mapping[str, object]:
+    def found(self, motion: Motion) -> Mapping[str, Any]:
         """The longest dwell, as entries of the summary."""
         output = self.body(motion.linkage)
         slides = is_translating(motion, output)
@@ -66,7 +66,15 @@ class DwellBand:
             verb = "slides" if slides else "turns"
             raise DesignError(f"dwell.band_{unit}", "is missing", f"give band_{unit}: {output} {verb}", "missing-key")
         by, driver_factor = ("mm", 1.0) if motion.linkage.driven_slider else ("deg", 180 / np.pi)
-        dwell = longest_dwell(motion, output, band / factor)
+        try:
+            dwell = longest_dwell(motion, output, band / factor)
+        except DesignError as error:
+            if error.field != "band" or error.value is None:
+                raise
+            least = factor * error.value
+            said, enough = (f"{mm(band):g}", f"{mm(least):up}") if slides else (f"{band:g}", rounded_up(least))
+            problem = f"found {said}, within which {output} stays nowhere"
+            raise DesignError(f"dwell.band_{unit}", problem, f"give at least {enough}", error.id, least) from None
         values = {
             f"from_{by}": dwell.start * driver_factor,
             f"to_{by}": dwell.end * driver_factor,
@@ -112,6 +120,18 @@ class DwellAspect(AbstractLinkageAspect[DwellBand]):
     @property
     def entries(self) -> Mapping[str, object]:
         return {"dwell": self.given.found(self.mechanism.motion)}
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        found = self.given.found(self.mechanism.motion)
+        slid = "driver_range_mm" in found
+        way, start, end = (found[f"{name}_{'mm' if slid else 'deg'}"] for name in ("driver_range", "from", "to"))
+        ways = f"{mm(way):.4g} of the driver, from {mm(start, end, between=' to '):.4g}"
+        return {
+            f"dwell of {found['output']}": ways
+            if slid
+            else f"{way:.4g} deg of the driver, from {start:.4g} to {end:.4g}"
+        }
 
 
 @record(eq=False)

@@ -187,8 +187,8 @@ class AbstractMovedRecipe(AbstractRecipe):
 
     @property
     def quantities(self) -> Mapping[str, str]:
-        """Grashof type, distances between the pins of each body, and the range of the transmission angle."""
-        return motion_quantities(self.linkage, self.motion)
+        """Grashof type, distances between the pins of bodies, range of the transmission angle, and those of aspects."""
+        return {**motion_quantities(self.linkage, self.motion), **super().quantities}
 
 
 def both_modes_entry() -> Any:
