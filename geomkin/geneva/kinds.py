@@ -166,6 +166,7 @@ class GenevaRecipe(AbstractPlatesRecipe):
         play = float(np.degrees(wheel.lock_play))
         most = wheel.clearance * MOST_PLAY / play if play else wheel.clearance
         thinnest = max(LEAST_TIP * self.stock.thickness, OF_KERF * self.files.kerf)
+        decides = "stock.thickness" if thinnest > OF_KERF * self.files.kerf else "files.kerf"
         return (
             Check(
                 "indexing_acceleration", "largest acceleration of the wheel, over the square of the crank's speed",
@@ -181,7 +182,7 @@ class GenevaRecipe(AbstractPlatesRecipe):
             ),
             Check(
                 "tip_width", "width of the wheel's tips", wheel.tip_width, "at least", thinnest, "mm",
-                "give a larger geneva.tip_width or geneva.distance, or a smaller stock.thickness",
+                f"give a geneva.tip_width of at least {mm(thinnest):up}, or a smaller {decides}",
             ),
         )  # fmt: skip
 

@@ -9,13 +9,14 @@ import numpy as np
 from ..core.arguments import PositiveFloat, checked
 from ..core.errors import DesignError
 from ..core.records import record
-from ..core.units import rounded_up
 from ..plane.vec import Real, dot
 from .motion import Motion, is_translating
 
-# Largest number of points between two frames at which the output is evaluated, and in all. With fewer, a dwell that
-# ends at a steep point is reported too short.
+# Largest number of points between two frames at which the output is evaluated first, and in all. With fewer, a dwell
+# that ends at a steep point is reported too short.
 BETWEEN, LOOKS = 16, 20_000
+# Relative difference of two dwells that are equal.
+EQUAL = 1e-9
 # Difference of a turn's end from its start, of unit directions and in sizes, up to which it is periodic.
 CLOSED = 1e-9
 
@@ -66,8 +67,8 @@ def longest_dwell(motion: Motion, output: str, band: PositiveFloat) -> OutputDwe
     Raises
     ------
     DesignError
-        If the linkage has no such body, the body neither turns nor slides on the ground, no two neighbouring frames are
-        reached, or the band is narrower than the output moves between points at which it is evaluated.
+        If the linkage has no such body, the body neither turns nor slides on the ground, or no two neighbouring frames
+        are reached.
 
     Notes
     -----
@@ -83,15 +84,15 @@ def longest_dwell(motion: Motion, output: str, band: PositiveFloat) -> OutputDwe
         # A dwell may begin in one turn and end in the next.
         drive = np.append(drive, drive[1:] + (drive[-1] - drive[0]))
         value, slope = np.append(value, value[1:] + (value[-1] - value[0])), np.append(slope, slope[1:])
-    t, y = _between(drive, value, slope)
-    start, end = _longest(t, y, float(band))
-    steps = np.abs(np.diff(y))
-    if not np.isfinite(steps).any():
+    t, y = _between(drive, value, slope, BETWEEN)
+    if not np.isfinite(np.diff(y)).any():
         problem = "found no two neighbouring frames that are reached"
         raise DesignError("motion", problem, "give drives that it reaches", "does-not-assemble")
-    if start == end:
-        least, problem = float(np.nanmin(steps)), f"found {band:g}, within which the output stays nowhere"
-        raise DesignError("band", problem, f"give at least {rounded_up(least)}", "out-of-range", least)
+    start, end = _longest(t, y, float(band))
+    # Once more between the frames around it, at more points.
+    near = slice(max(int(np.searchsorted(drive, t[start])) - 2, 0), int(np.searchsorted(drive, t[end])) + 2)
+    t, y = _between(drive[near], value[near], slope[near], LOOKS)
+    start, end = _longest(t, y, float(band))
     # Extended to the points at which it leaves the band, at the end and then at the start.
     t_end, y_end = _leaves_band_at(t, y, end, end + 1, y[start : end + 1], float(band))
     t_start, y_start = _leaves_band_at(t, y, start, start - 1, np.append(y[start : end + 1], y_end), float(band))
@@ -133,9 +134,9 @@ def _is_periodic(motion: Motion) -> bool:
     )
 
 
-def _between(drive: Real, value: Real, slope: Real) -> tuple[Real, Real]:
-    """Drives and values at the frames and between them, by cubics; nan where there is no value or slope."""
-    parts = int(np.clip(LOOKS // max(1, len(drive)), 1, BETWEEN))
+def _between(drive: Real, value: Real, slope: Real, most: int) -> tuple[Real, Real]:
+    """Drives and values at the frames and `most` points between them, by cubics; nan without a value or slope."""
+    parts = int(np.clip(LOOKS // max(1, len(drive)), 1, most))
     s, step = np.arange(parts) / parts, np.diff(drive)[:, None]
     from_one = (1 + 2 * s) * (1 - s) ** 2 * value[:-1, None] + s * (1 - s) ** 2 * step * slope[:-1, None]
     from_two = s**2 * (3 - 2 * s) * value[1:, None] - s**2 * (1 - s) * step * slope[1:, None]
@@ -143,8 +144,8 @@ def _between(drive: Real, value: Real, slope: Real) -> tuple[Real, Real]:
 
 
 def _longest(t: Real, y: Real, band: float) -> tuple[int, int]:
-    """First and last of the points, farthest apart, between which values stay within a band."""
-    best, start = (0, 0), 0
+    """First and last of the points between which values stay within a band for longest."""
+    best, longest, start = (0, 0), 0.0, 0
     low: deque[int] = deque()
     high: deque[int] = deque()
     for end, value in enumerate(y.tolist()):
@@ -164,8 +165,11 @@ def _longest(t: Real, y: Real, band: float) -> tuple[int, int]:
             for queue in (low, high):
                 if queue[0] < start:
                     queue.popleft()
-        if t[end] - t[start] > t[best[1]] - t[best[0]]:
-            best = start, end
+        if t[end] - t[max(start - 1, 0)] > longest:
+            first, _ = _leaves_band_at(t, y, start, start - 1, y[[low[0], high[0]]], band)
+            # Of two that are equal but for rounding the first, on every processor.
+            if t[end] - first > (1 + EQUAL) * longest:
+                best, longest = (start, end), float(t[end] - first)
     return best
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from ..model.part import Part
 from ..model.scene import Scene, SceneHandle
 from ..model.table import Table
 from ..plane.vec import Pose, Real
-from ..recipe.aspect import ALONE, Setting, ShaftPlacement
+from ..recipe.aspect import ALONE, AbstractAspect, Setting, ShaftPlacement
 from ..recipe.composed import AbstractComposedRecipe
 from ..recipe.load import from_table, to_toml
 from ..recipe.recipe import AbstractAssembledRecipe, AbstractGoal, AbstractRecipe, Additions, assembly_summary
@@ -289,6 +289,7 @@ class MachineRecipe(AbstractAssembledRecipe):
         return {
             "period_turns": {"driver": str(graph.period), **turns},
             **gear_notes(self.recipes),
+            **_results_of(self.recipes),
             **(self.torques.walking.summary if self.torques.walking else {}),
             **self.torques.summary,
             **assembly_summary(self),
@@ -313,7 +314,13 @@ class MachineRecipe(AbstractAssembledRecipe):
     def quantities(self) -> Mapping[str, str]:
         """The period and the speed of each mechanism."""
         speeds = {f"speed of {name}": f"{speed} of the driver's" for name, speed in self.graph.speeds.items()}
-        return {"period": f"{_turns(self.graph.period)} of the driver", **speeds}
+        of_mechanisms = {
+            f"{name}: {label}": text
+            for name, recipe in self.recipes.items()
+            for aspect in _own_aspects(recipe)
+            for label, text in aspect.quantities.items()
+        }
+        return {"period": f"{_turns(self.graph.period)} of the driver", **speeds, **of_mechanisms}
 
     @classmethod
     def example_values(cls, tables: Mapping[str, str]) -> Mapping[str, object]:
@@ -328,6 +335,21 @@ class MachineRecipe(AbstractAssembledRecipe):
         return {
             "mechanisms": {"pair": Mechanism(recipe=pair), "pump": Mechanism(recipe=crank, turned_by="pair.second")}
         }
+
+
+def _own_aspects(recipe: AbstractRecipe) -> Iterator[AbstractAspect[Any, Any]]:
+    """The aspects of a mechanism but its loads, which the machine adds up."""
+    return (aspect for aspect in getattr(recipe, "aspects", ()) if aspect.key != "loads")
+
+
+def _results_of(recipes: Mapping[str, AbstractRecipe]) -> dict[str, object]:
+    """Results of the mechanisms, such as dwells, by name; empty without any."""
+    results = {
+        name: dict(item for aspect in _own_aspects(recipe) for item in aspect.entries.items())
+        for name, recipe in recipes.items()
+    }
+    known = {name: entries for name, entries in results.items() if entries}
+    return {"results_of_mechanisms": known} if known else {}
 
 
 def _turns(count: object) -> str:

@@ -313,7 +313,7 @@ def _check_limits(source: VariedRecipe, ranges: Mapping[str, tuple[float, float]
         low, high = (unit.in_mm(value, about.get("unit", "")) for value in pair)
         if low < about.get("gt", about.get("ge", -math.inf)) or high > about.get("lt", about.get("le", math.inf)):
             problem = f"found the range {pair[0]:g} to {pair[1]:g}"
-            raise DesignError(key, problem, f"give limits that are {marked(allowed(about))}", "out-of-range")
+            raise DesignError(key, problem, f"give limits that are {unit.text(marked(allowed(about)))}", "out-of-range")
 
 
 def _boxes(own: Mapping[str, float], ranges: Mapping[str, tuple[float, float]]) -> list[Box]:

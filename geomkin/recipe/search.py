@@ -77,7 +77,7 @@ def wished(wish: str, texts: Mapping[str, str]) -> list[str]:
             word in known if len(word) < 3 else any(other.startswith(word) for other in known) for word in wanted
         )
     most = max(counts.values(), default=0)
-    return [name for name in texts if counts[name] == most] if 2 * most > len(wanted) or not wanted else []
+    return [name for name in texts if counts[name] == most] if 2 * most > len(wanted) or not wish else []
 
 
 def _stem(word: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from itertools import count
@@ -54,8 +55,12 @@ def joined(draft: Draft, wanted: Mapping[str, Any]) -> str:
     """
     recipe = draft.recipe
     known = dict(shafts(recipe))
+    if not isinstance(wanted, Mapping):
+        raise DesignError("join", f"found {shown(wanted)}", "give turned_by, and recipe or kind", "wrong-type")
     turned_by, phase = wanted.get("turned_by"), wanted.get("phase_deg", 0)
-    if turned_by not in known or isinstance(phase, bool) or not isinstance(phase, int | float):
+    if isinstance(phase, bool) or not isinstance(phase, int | float):
+        raise DesignError("join.phase_deg", f"found {shown(phase)}", "give a number", "wrong-type")
+    if not isinstance(turned_by, str) or turned_by not in known:
         remedy = f"give one of {', '.join(known)}" if known else "give a mechanism with a shaft that turns"
         raise DesignError("join.turned_by", f"found {shown(turned_by)}", remedy, "unknown-key")
     other, noun = _source(wanted, recipe)
@@ -123,8 +128,8 @@ def _without_empty(table: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _new_name(noun: str, taken: Any) -> str:
-    """A free name without `_`, which joins it to the names of parts: `leg` and `leg_2` could both have `leg_2_rod`."""
-    noun = noun.replace("_", "-")[:20]
+    """A free name of letters, digits and `-`: with `_`, `leg` and `leg_2` could both have a part `leg_2_rod`."""
+    noun = "-".join(re.findall(r"[^\W_]+", noun))[:20].strip("-") or "mechanism"
     return next(name for k in count(1) if (name := noun if k == 1 else f"{noun}-{k}") not in taken)
 
 

@@ -193,7 +193,7 @@ class Found:
             first, *others = np.degrees(self.drive).tolist()
             drive = np.radians([rounding.angle("start_deg", first), *(rounding.angle("", angle) for angle in others)])
         other = replace(self, linkage=rounding.linkage(self.linkage), drive=drive)
-        return replace(other, transmission_angle_deg=np.nan if self.defects else _least_angle_deg(other))
+        return replace(other, transmission_angle_deg=np.nan if self.defects else least_angle_deg(other))
 
     def summary(self) -> Mapping[str, object]:
         """Entries for `summary.json`: sizes in mm and deg with ten digits. Each search adds its error in front."""
@@ -205,7 +205,7 @@ class Found:
         }
 
 
-def _least_angle_deg(found: Found) -> float:
+def least_angle_deg(found: Found) -> float:
     """Least transmission angle of the motion, deg; nan if the linkage does not close everywhere."""
     low, high = found.drive_range
     # The angle is least with crank and ground in line, a crank at right angles to a slide line, or a driving slider

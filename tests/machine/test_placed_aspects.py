@@ -100,3 +100,16 @@ def test_mirrored_mechanisms_are_made_and_certified(tmp_path):
     gk.make(machine, tmp_path)
     assert all(certificate.passed for certificate in gk.verify(tmp_path))
     assert np.isfinite([handle.at[0] for handle in machine.handles]).all()
+
+
+@pytest.mark.parametrize("units", ["mm", "in"])
+def test_the_dwell_of_a_mechanism_is_that_which_it_has_alone(units):
+    f = {"mm": 1, "in": 1 / 25.4}[units]
+    crank = {"kind": "slider-crank", "linkage": {"crank": 20 * f, "coupler": 70 * f}, "dwell": {"band_mm": 0.5}}
+    pair = {"kind": "gear-pair", "first": {"teeth": 20, "module": 2 * f}, "second": {"teeth": 30, "module": 2 * f}}
+    pump = {"recipe": crank, "turned_by": "pair.second"}
+    table = {"kind": "machine", "units": units, "mechanisms": {"pair": {"recipe": pair}, "pump": pump}}
+    machine, alone = gk.load(table), gk.load({"units": units, **crank})
+    found = machine.notes["results_of_mechanisms"]["pump"]["dwell"]
+    assert found["driver_range_deg"] == pytest.approx(alone.notes["dwell"]["driver_range_deg"], rel=1e-6)
+    assert machine.quantities["pump: dwell of slider"].split()[0] == alone.quantities["dwell of slider"].split()[0]

@@ -66,10 +66,19 @@ def test_every_mechanism_with_a_shaft_turns_another(name):
     assert tomllib.loads(reply["text"]).get("units", "mm") == tomllib.loads(text).get("units", "mm")
 
 
+@pytest.mark.parametrize("name", ["wiper.found", "leg (copy)", "..", "my_leg", "it"])
+def test_a_mechanism_has_a_name_of_letters_whatever_its_file_is_called(name):
+    files = {f"{name}.toml": FILES["crank-rocker.toml"]}
+    reply = answer(FILES["gear-pair.toml"], files, {"join": {"recipe": name, "turned_by": "second"}}, name)
+    assert reply["limit"] is None and not reply["problems"]
+    assert [held["recipe"] for held in tomllib.loads(reply["text"])["mechanisms"].values()][1] == f"{name}.toml"
+
+
 @pytest.mark.parametrize(
     "wanted", [{}, {"kind": "four-bar"}, {"kind": "four-bar", "turned_by": "third"}, {"kind": "x", "turned_by": "second"},
                {"kind": "spur-gear", "turned_by": "second"}, {"recipe": "nothing", "turned_by": "second"},
-               {"recipe": ["a"], "turned_by": "second"}, {"kind": "four-bar", "turned_by": "second", "phase_deg": "x"}]
+               {"recipe": ["a"], "turned_by": "second"}, {"kind": "four-bar", "turned_by": "second", "phase_deg": "x"},
+               {"kind": "four-bar", "turned_by": ["second"]}, "x", 5]
 )  # fmt: skip
 def test_an_impossible_join_is_refused_and_changes_nothing(wanted):
     text = FILES["gear-pair.toml"]

@@ -13,7 +13,7 @@ from ...core.arguments import between
 from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
-from ...core.units import mm, rounded_up
+from ...core.units import mm
 from ...model.check import Check
 from ...model.scene import Limit, Plot, Scene, SceneCurve, SceneHandle, point_handle
 from ...model.table import Column, Table
@@ -30,6 +30,9 @@ from ..parts.rotating_masses import Flywheel, RoundEnd
 from ..scene import linkage_scene, with_components
 from .copies import Copy, check_copies, driven_check, is_whole_turn, with_copies
 from .made import MadeLinkage
+
+# Least number of positions over the range of the driver in which a dwell is looked for.
+DWELL_FRAMES = 3601
 
 
 @record(checked=True)
@@ -66,15 +69,7 @@ class DwellBand:
             verb = "slides" if slides else "turns"
             raise DesignError(f"dwell.band_{unit}", "is missing", f"give band_{unit}: {output} {verb}", "missing-key")
         by, driver_factor = ("mm", 1.0) if motion.linkage.driven_slider else ("deg", 180 / np.pi)
-        try:
-            dwell = longest_dwell(motion, output, band / factor)
-        except DesignError as error:
-            if error.field != "band" or error.value is None:
-                raise
-            least = factor * error.value
-            said, enough = (f"{mm(band):g}", f"{mm(least):up}") if slides else (f"{band:g}", rounded_up(least))
-            problem = f"found {said}, within which {output} stays nowhere"
-            raise DesignError(f"dwell.band_{unit}", problem, f"give at least {enough}", error.id, least) from None
+        dwell = longest_dwell(motion, output, band / factor)
         values = {
             f"from_{by}": dwell.start * driver_factor,
             f"to_{by}": dwell.end * driver_factor,
@@ -117,13 +112,21 @@ class DwellAspect(AbstractLinkageAspect[DwellBand]):
     def check(self) -> None:
         self.given.body(self.mechanism.linkage.linkage)
 
+    @cached_property
+    def found(self) -> Mapping[str, Any]:
+        """The longest dwell in a motion of small steps, whatever those of the table are."""
+        frames = self.mechanism.input_range.frames
+        return self.given.found(
+            self.mechanism.moved(np.linspace(frames[0], frames[-1], max(DWELL_FRAMES, len(frames))))
+        )
+
     @property
     def entries(self) -> Mapping[str, object]:
-        return {"dwell": self.given.found(self.mechanism.motion)}
+        return {"dwell": self.found}
 
     @property
     def quantities(self) -> Mapping[str, str]:
-        found = self.given.found(self.mechanism.motion)
+        found = self.found
         slid = "driver_range_mm" in found
         way, start, end = (found[f"{name}_{'mm' if slid else 'deg'}"] for name in ("driver_range", "from", "to"))
         ways = f"{mm(way):.4g} of the driver, from {mm(start, end, between=' to '):.4g}"

@@ -300,7 +300,10 @@ def _used(
     heavy = None if weights is None else _weights(np.asarray(weights, dtype=float), len(points))
     if len(points) > MOST_USED:
         used = np.linspace(0, len(points) - 1, MOST_USED).round().astype(int)
-        points, turns, heavy = points[used], *(None if row is None else row[used] for row in (turns, heavy))
+        if heavy is not None:
+            # Each point that is used stands for those up to the next one, so that no weight is lost.
+            heavy = np.maximum.reduceat(heavy, used)
+        points, turns = points[used], None if turns is None else turns[used]
     if closed and turns is None:
         # A point that is given twice in a row would make a corner of the line through the points.
         apart = np.abs(points - np.roll(points, 1)) > 1e-9 * np.ptp(np.concatenate([points.real, points.imag]))

@@ -146,11 +146,10 @@ class PathFound(Found):
 
     @cached_property
     def extent(self) -> float:
-        """Size of the place that all pins and the traced point need over a turn, as a multiple of the path's."""
-        motion = move(self.linkage, np.linspace(0, 2 * np.pi, 61), self.branch)
+        """Size of the place that all pins and the traced point need along the path, over that of the points."""
+        motion = move(self.linkage, np.linspace(*self.drive_range, 61), self.branch)
         places = [motion.point(name).position for name in (*motion.linkage.pins, "coupler_point")]
-        whole, path = np.array(places).ravel(), places[-1]
-        return _diagonal(whole) / _diagonal(path)
+        return _diagonal(np.array(places).ravel()) / _diagonal(self.points)
 
     @property
     def is_usable(self) -> bool:

@@ -19,6 +19,7 @@ from ...linkage.measures import least_transmission_angle
 from ...linkage.moving import move
 from ...linkage.named_linkages import FourBar, SliderCrank
 from ...plane.vec import Complex, Real, Whole
+from ..found import least_angle_deg
 from .any_curve import MARGIN_DEG, MARGIN_RATIO, ChainBounds, CurveSearch, CurveTask, State, cranks_along
 from .closed_lines import (
     PARTS,
@@ -265,6 +266,9 @@ class PathSearch:
             least_squares=True,
             **path_errors(off, self.task.weights, self.wanted_line, path),
         )
+        if not self.task.closed:
+            # The crank turns fully, and a part of its turn is used.
+            found = replace(found, transmission_angle_deg=least_angle_deg(found))
         limits = []
         if np.degrees(angle - self.task.least_transmission) < 1.1 * MARGIN_DEG:
             limits.append(f"a transmission angle of {np.degrees(self.task.least_transmission):g} deg")
