@@ -26,7 +26,7 @@ from ..core.units import MM, UNITS, marked
 from ..export.summary import write_whole
 from ..model.check import Check
 from ..recipe.keys import VariedRecipe, varied
-from ..recipe.kinds import recipe_class
+from ..recipe.kinds import kind_names, recipe_class
 from ..recipe.load import shown_numbers, to_toml
 from ..recipe.reader import field_of
 from ..recipe.recipe import AbstractRecipe
@@ -306,9 +306,11 @@ def _range(key: str, pair: Sequence[float]) -> tuple[float, float]:
 
 def _check_limits(source: VariedRecipe, ranges: Mapping[str, tuple[float, float]]) -> None:
     """DesignError for a range with values that a key never has, such as negative lengths."""
-    unit = UNITS.get(str(source.recipe.get("units")), MM)
+    unit, kind = UNITS.get(str(source.recipe.get("units")), MM), source.recipe.get("kind")
+    if not isinstance(kind, str) or kind not in kind_names():
+        return  # Refused when the recipe is read.
     for key, pair in ranges.items():
-        declared = field_of(key, recipe_class(source.recipe["kind"]))
+        declared = field_of(key, recipe_class(kind))
         about = declared.about if declared else {}
         low, high = (unit.in_mm(value, about.get("unit", "")) for value in pair)
         if low < about.get("gt", about.get("ge", -math.inf)) or high > about.get("lt", about.get("le", math.inf)):

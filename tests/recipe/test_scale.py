@@ -88,7 +88,7 @@ PLAIN = (
     "deg", "rpm", "rad", "branch", "choose", "seed", "time_limit", "ratio", "rows", "columns", "chosen", "degree", "decimals",
     "count", "masses.crank", "masses.coupler", "masses.slider", "density", "coefficients", "x_start", "x_end", "points",
     "intervals", "jerk_limit", "gravity", "kg", "bars", "slots", "pins", "discs", "share", "percent",
-    "effort", "efficiency", "teeth", "friction",
+    "effort", "efficiency", "teeth", "friction", "first", "last", "weight",
 )  # fmt: skip
 
 

@@ -151,7 +151,7 @@ class WeightedStretch:
 
     first: int = quantity("number of its first point, the first of all being 1", at_least=1, whole=True, example=1)
     last: int = quantity(
-        "number of its last point; on a closed path it may be less than first", at_least=1, whole=True, example=4
+        "number of its last point; on a closed path it may be less than first", at_least=1, whole=True, example=3
     )
     weight: float = quantity(
         "weight of the squared distances; other points have 1", at_least=WEIGHTS[0], at_most=WEIGHTS[1], example=10
