@@ -74,7 +74,7 @@ def test_reported_swings_are_those_of_the_rounded_linkage(name):
     """Moved, and looked at in many frames, as the file has it."""
     goal = goal_of(name)
     design = gk.load(to_toml(goal.design))
-    low, high = np.radians(goal.driver_range)
+    low, high = np.radians(goal.range_of(goal.found))
     motion = gk.move(design.linkage, np.linspace(low, high, 20_001), design.branch)
     if OUTPUTS[name] == "rocker":
         swing = np.degrees(np.ptp(np.unwrap(np.angle(motion.bodies["rocker"].direction))))

@@ -2,6 +2,7 @@
 
 import json
 import re
+import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ import geomkin as gk
 from geomkin.build import check_recipe
 from geomkin.synthesis.kinds import path_generator
 from geomkin.synthesis.path.path_found import PathFound
+from tests.texts import template_of
 
 FIVE = """
 kind = "path-generator"
@@ -207,3 +209,16 @@ def test_weights_of_a_recipe_reach_the_search_and_its_summary(tmp_path):
     assert data["weighted_largest_distance_mm"] < data["largest_distance_mm"]
     larger = gk.load(WEIGHTED.replace("[wanted]", "scale = 2\n[wanted]", 1))
     assert larger.found.weighted_largest_distance == pytest.approx(2 * data["weighted_largest_distance_mm"], rel=1e-2)
+
+
+@pytest.mark.campaign
+def test_a_linkage_that_cannot_be_cut_names_one_that_can():
+    """The gears of some five-bars of this path are smaller than their pins."""
+    table = tomllib.loads(template_of("path-generator"))
+    table["wanted"] |= {"bars": 5, "geared": True}
+    first = gk.load(table)
+    five = next(k for k, found in enumerate(first.ranked, 1) if found.bars == 5)
+    with pytest.raises(gk.DesignError) as caught:
+        _ = gk.load(table | {"choose": five}).parts
+    assert caught.value.field == "choose" and caught.value.value != five
+    assert gk.load(table | {"choose": int(caught.value.value)}).parts

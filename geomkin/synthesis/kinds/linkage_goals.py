@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, ClassVar, Generic, TypeVar
@@ -13,6 +14,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import quantity, rounded_up, to_digits
 from ...core.records import record
+from ...core.units import marked
 from ...linkage.checks import LEAST_TRANSMISSION_ANGLE_DEG
 from ...linkage.kinds.linkage_kinds import EllipticTrammelRecipe, FourBarRecipe, LinkageRecipe, SliderCrankRecipe
 from ...linkage.kinds.linkages import AbstractLinkageRecipe
@@ -23,6 +25,7 @@ from ...linkage.moving import move
 from ...linkage.named_linkages import EllipticTrammel, FourBar, SliderCrank
 from ...linkage.parts.stock import LinkStock
 from ...model.check import Check
+from ...model.part import Part
 from ...model.scene import Candidate, Choice, Plot, Scene, SceneCurve
 from ...model.table import Table
 from ...plane.vec import Complex
@@ -147,18 +150,43 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
         types = [grashof_type(result.linkage) for result in (found, rounded) if isinstance(result.linkage, FourBar)]
         return len(set(types)) <= 1
 
-    @property
-    def driver_range(self) -> tuple[float, float]:
-        """First and last driver position of the resulting recipe: deg, or mm if a slider drives."""
-        low, high = self.found.drive_range
-        if self.found.linkage.linkage.driven_slider is not None:
+    def range_of(self, found: Found) -> tuple[float, float]:
+        """First and last driver position of the recipe of a linkage: deg, or mm if a slider drives."""
+        low, high = found.drive_range
+        if found.linkage.linkage.driven_slider is not None:
             return low, high
         # Rounded, since the conversion from radians leaves noise in the last bits.
         return to_digits(np.degrees(low), 13), to_digits(np.degrees(high), 13)
 
+    def made_of(self, found: F) -> AbstractLinkageRecipe:
+        """The recipe of a linkage."""
+        return recipe_of(found.linkage, found.branch, self.range_of(found), self.drive, self.stock, self.files)
+
     @cached_property
     def design(self) -> AbstractLinkageRecipe:
-        return recipe_of(self.found.linkage, self.found.branch, self.driver_range, self.drive, self.stock, self.files)
+        return self.made_of(self.found)
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The plates; DesignError if they cannot be made, with the rank of a linkage whose plates can."""
+        try:
+            return self.design.parts
+        except DesignError as error:
+            if not (other := self._first_cut):
+                raise
+            remedy = f"give choose = {other}, whose parts can be made, or {marked(error.remedy)}"
+            raise DesignError(
+                "choose", f"found {self.choose}: {marked(error.problem)}", remedy, error.id, other
+            ) from None
+
+    @property
+    def _first_cut(self) -> int:
+        """The first rank of a linkage whose parts can be made, 0 if it is not among those listed."""
+        for k, found in enumerate(self.ranked[:LISTED], 1):
+            with suppress(DesignError):
+                _ = self.made_of(self.shortened(found)).parts
+                return k
+        return 0
 
     @abstractmethod
     def met_by(self, found: F) -> tuple[Check, ...]:

@@ -405,11 +405,6 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         return () if usable is None or usable is self.best else (usable,)
 
     @property
-    def driver_range(self) -> tuple[float, float]:
-        """A full turn for a closed path, else from the first point to the last."""
-        return (0.0, 360.0) if self.wanted.closed else super().driver_range
-
-    @property
     def size_bounds(self) -> Mapping[str, Pair]:
         return self.bounds.given or {}
 
@@ -461,7 +456,7 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         plate = PlateStock(thickness=self.stock.thickness, pin_diameter=self.stock.pin_diameter)
         design = self.found
         marks: list[AbstractCurve] = self.crosses
-        span = (float(np.radians(self.driver_range[0])), float(np.radians(self.driver_range[1])))
+        span = tuple(np.radians(self.range_of(self.found)).tolist())
         if not design.defects and span[1] > span[0]:
             marks.append(CouplerCurve(design.linkage, "coupler_point", design.branch, span))
         at = move(design.linkage, np.array([design.drive[0]]), design.branch)

@@ -24,7 +24,7 @@ from ...model.scene import Choice, Limit, Plot, SceneHandle, circle_handle, poin
 from ...model.table import Column, Table
 from ...plane.vec import Real, rounded
 from ...recipe.settings import Drive, Files
-from ..found import ten_digits
+from ..found import Found, ten_digits
 from ..rockers import strokes as strokes
 from ..rockers.crank_rockers import CrankRocker, check_swing_rotation, crank_rocker
 from ..rockers.double_rockers import DoubleRocker, double_rocker
@@ -154,8 +154,7 @@ class AbstractFamilyGoal(AbstractLinkageGoal[M]):
         """Sort key of the members; the smallest one comes first."""
         return (-float(member.transmission_angle_deg),)
 
-    @property
-    def driver_range(self) -> tuple[float, float]:
+    def range_of(self, found: Found) -> tuple[float, float]:
         """The full turn."""
         return 0.0, 360.0
 
@@ -435,8 +434,7 @@ class DoubleRockerRecipe(AbstractFamilyGoal[DoubleRocker]):
         # As in the search, linkages whose rocker leaves the range between its two positions come last.
         return member.overshoot_deg > MISSED_DEG, *super().rank(member)
 
-    @property
-    def driver_range(self) -> tuple[float, float]:
+    def range_of(self, found: Found) -> tuple[float, float]:
         """The given range of the crank, deg."""
         start, end = self.wanted.crank_start_deg, self.wanted.crank_start_deg + self.wanted.crank_swing_deg
         return min(start, end), max(start, end)
