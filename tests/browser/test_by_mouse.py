@@ -30,7 +30,7 @@ class Hand:
 
     def __init__(self, editor):
         self.editor, self.page, self.gestures = editor, editor.page, 0
-        self.page.set_default_timeout(15_000)
+        self.page.set_default_timeout(60_000)
 
     def count(self):
         self.gestures += 1
