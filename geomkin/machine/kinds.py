@@ -345,7 +345,7 @@ def _own_aspects(recipe: AbstractRecipe) -> Iterator[AbstractAspect[Any, Any]]:
 def _results_of(recipes: Mapping[str, AbstractRecipe]) -> dict[str, object]:
     """Results of the mechanisms, such as dwells, by name; empty without any."""
     results = {
-        name: dict(item for aspect in _own_aspects(recipe) for item in aspect.entries.items())
+        name: {key: value for aspect in _own_aspects(recipe) for key, value in aspect.entries.items()}
         for name, recipe in recipes.items()
     }
     known = {name: entries for name, entries in results.items() if entries}

@@ -384,3 +384,39 @@ def test_a_body_is_clicked_where_a_linkage_is_open(studio, is_refused):  # noqa:
     page.mouse.click(*spots[0])
     settle(page)
     assert "no body" not in status(page)
+
+
+def test_a_save_that_is_answered_late_gives_its_name_to_no_other_recipe(studio):  # noqa: F811
+    editor = studio(FOUR_BAR, **DESK)
+    page, held = editor.page, []
+    fill(page, "linkage.rocker", "71")
+    page.route("**/save", lambda route: held.append(route))
+    page.click("#save")
+    page.click("#new")
+    page.click('#kinds .card:has-text("disk-cam") >> nth=0')
+    page.wait_for_selector("body[data-checked]:not(.solving)")
+    assert held
+    with page.expect_response("**/save"):
+        held[0].continue_()
+    settle(page)
+    assert "disk-cam" in page.inner_text("#name") and "it" not in page.inner_text("#name").split()
+
+
+@pytest.mark.parametrize("late", ["new", "answer"])
+def test_a_tool_that_is_chosen_early_stays_chosen(studio, late):  # noqa: F811
+    """The tools of the former recipe are still there while an empty linkage is opened."""
+    page, held = studio(FOUR_BAR, **DESK).page, []
+    page.click("#build")
+    page.click("#new")
+    page.route(f"**/{late}", lambda route: held.append(route))
+    page.click("text=empty linkage")
+    page.wait_for_timeout(100)
+    assert held and page.locator("body.solving").count()
+    if late == "answer":
+        page.click('[data-tool="path"]')
+    page.route(f"**/{late}", lambda route: route.continue_())
+    held[0].continue_()
+    page.wait_for_selector('[data-handle="point:coupler_point"]', state="detached")
+    settle(page)
+    chosen = page.locator('#tools [aria-pressed="true"]').get_attribute("data-tool")
+    assert chosen == ("path" if late == "answer" else "pivot")

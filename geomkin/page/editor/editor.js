@@ -148,24 +148,34 @@ class Editor {
   async startNew(kind, example) {
     const started = await this.latest(post("new", example ? { example } : { kind }));
     if (started) this.load(started.text, "", "", example);
+    return started;
   }
 
   // Starts a linkage without links, with the tools that build it.
   async startEmpty() {
-    await this.startNew("");
+    if (!await this.startNew("")) return;
+    // A tool that is clicked before the drawing is there stays chosen.
+    this.tools.choose("pivot");
     this.whenIdle(() => {
       this.showTools(true);
       // The sheet has room enough.
       this.player.drawings[0].room = this.player.drawings[0].bounds;
       this.player.fit(true);
-      this.tools.choose("pivot");
     });
   }
 
   // The answer to a request for another text; null if another one was requested since.
   async latest(answer) {
-    const turn = this.opening = (this.opening ?? 0) + 1, reply = await answer;
-    return turn === this.opening ? reply : null;
+    const turn = this.turn = (this.turn ?? 0) + 1;
+    this.isOpening = true;
+    this.showBusy();
+    try {
+      const reply = await answer;
+      return turn === this.turn ? reply : null;
+    } finally {
+      if (turn === this.turn) this.isOpening = false;
+      this.showBusy();
+    }
   }
 
   // Loads the recipe that the fragment of the address holds, and returns whether it has one.
@@ -409,7 +419,7 @@ class Editor {
     const { change, text = this.text } = this.queued, { texts } = this;
     this.queued = null;
     this.busy = true;
-    document.body.classList.add("solving");
+    this.showBusy();
     try {
       let reply = await this.answer({ text, ...change, lane: "scene" });
       // A search that takes long is a job, which the next change stops.
@@ -419,12 +429,14 @@ class Editor {
     } catch (error) { if (texts === this.texts) this.fail(error); }
     this.busy = false;
     if (this.queued) { this.pump(); return; }
-    document.body.classList.remove("solving");
+    this.showBusy();
     const waiting = this.whenAnswered ?? [];
     this.whenAnswered = [];
     for (const act of waiting) this.whenIdle(act);
     if (!this.busy) this.checkTimer = setTimeout(() => this.check(), PAUSE);
   }
+
+  showBusy() { document.body.classList.toggle("solving", Boolean(this.busy || this.isOpening)); }
 
   answer(body) { return post("answer", { recipe: this.recipe, locks: [...this.locks], ...body }); }
 
@@ -647,9 +659,11 @@ class Editor {
     this.close();
     if (!name) { await this.saveAs(); return; }
     if (this.problems.length) { this.announce("Not saved: correct the marked values first, or undo"); return; }
-    const { text } = this;
+    const { text, draft } = this;
     try {
       const saved = await post("save", { recipe: name, text, base });
+      // The recipe that is open by now is another one.
+      if (draft !== this.draft) return;
       Object.assign(this, { recipe: name, base: saved.base, seen: saved.base, savedText: text });
       remember(this.folder, name);
       at("conflict").hidden = true;

@@ -176,15 +176,13 @@ class PathFound(Found):
         sound = sorted((one for one in self.ranked if not one.defects), key=lambda one: (one.bars, one.deviation))
         kept: list[PathFound] = []
         for found in sound:
-            if not any(other._equals(found) for other in kept):
+            if not any(_is_no_worse(other.costs(other.extent), found.costs(found.extent)) for other in kept):
                 kept.append(found)
         return tuple(kept)
 
-    def _equals(self, other: PathFound) -> bool:
-        """Whether it is nearly as good as another one in all respects, or better."""
-        costs = np.array([[one.bars, one.deviation, one.extent] for one in (self, other)])
-        angles = self.transmission_angle_deg, other.transmission_angle_deg
-        return bool((costs[0] <= (1 + NEARLY) * costs[1]).all() and (1 + NEARLY) * angles[0] >= angles[1])
+    def costs(self, size: float) -> Real:
+        """What a better linkage has less of, for a stated size: distance, bars, negative transmission angle, size."""
+        return np.array([self.deviation, self.bars, -self.transmission_angle_deg, size])
 
     @cached_property
     def cognates(self) -> tuple[Cognate, ...]:
@@ -235,13 +233,13 @@ class PathFound(Found):
         return np.degrees(self.drive)
 
 
+def _is_no_worse(costs: Real, others: Real) -> bool:
+    return bool((costs <= others + NEARLY * np.abs(others)).all())
+
+
 def is_worse(first: PathFound, second: PathFound) -> bool:
     """Whether another linkage is much nearer to the path without more bars, size or a smaller transmission angle."""
-    one, other = (
-        np.array([found.deviation / far, found.bars, -found.transmission_angle_deg, found.size])
-        for found, far in ((first, FAR), (second, 1.0))
-    )
-    return bool((one >= other - NEARLY * np.abs(other)).all())
+    return _is_no_worse(second.costs(second.size), first.costs(first.size) / [FAR, 1, 1, 1])
 
 
 def is_same(first: PathFound, second: PathFound) -> bool:
