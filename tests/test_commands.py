@@ -228,6 +228,15 @@ def test_every_other_name_is_that_of_one_kind_or_recipe_and_of_nothing_else():
             assert {*re.findall(r"[\w-]+", nearest_kind(name, kind_names()))} & known == {one}
 
 
+def test_words_without_meaning_name_nothing():
+    assert nearest_kind("the", kind_names()) == nearest_kind("of it", kind_names()) == ""
+
+
+def test_a_list_of_an_id_leads_to_its_explanation(command):
+    code, _, message = command("list", "tip_width")
+    assert code == 2 and "geomkin explain" in message
+
+
 @pytest.mark.parametrize(
     ("command_name", "wish", "one", "most"),
     [

@@ -130,6 +130,7 @@ def list_command(words: tuple[str, ...]) -> None:
     several, such as a wish, those with all or most of them.
     """
     from ..core.errors import harmless, printable
+    from ..model.explanations import explained
     from ..recipe.kinds import all_kinds, gallery, recipe_class
     from ..recipe.search import nearest_kind, other_names, wished
 
@@ -147,7 +148,8 @@ def list_command(words: tuple[str, ...]) -> None:
     }
     if not groups:
         problem = f"no kind and no recipe of the gallery has {printable(' '.join(words))!r}"
-        remedy = nearest_kind(" ".join(words), all_kinds())
+        is_explained = explained(" ".join(words)) is not None
+        remedy = "`geomkin explain` explains it, and " if is_explained else nearest_kind(" ".join(words), all_kinds())
         raise click.BadParameter(f"{problem}; {remedy}`geomkin list` shows all kinds", param_hint="WORD")
     width = max(len(name) for lines in groups.values() for name, _ in lines)
     for group, lines in groups.items():

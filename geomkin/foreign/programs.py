@@ -134,7 +134,7 @@ def read_pmks(text: str, file: str) -> Drawn:
     content = unquote(text.strip().partition("?")[2] or text.strip())
     content, check = content[:-1], content[-1:]
     if not check or DIGITS[:62].find(check) != len(content) % 62:
-        refuse(file, "", "the link is not complete", COPY)
+        refuse(file, "", "it is neither JSON nor a .linkage2 file nor a whole link", COPY)
     settings, joint_rows, link_rows, force_rows = sections(content, file)
     flags, _, whole, units = settings
     if len(joint_rows) + len(link_rows) > MOST:
@@ -394,5 +394,7 @@ def imported(path: Path) -> str:
         text = content.decode("utf-8-sig").strip()
     except UnicodeDecodeError:
         refuse(file, "", "it is not UTF-8 text", "save it again", "file-unreadable")
+    if not text:
+        refuse(file, "", "it is empty", "save it again", "file-unreadable")
     reader = {"{": read_pylinkage, "<": read_linkage}.get(text[:1], read_pmks)
     return recipe_of(reader(text, file), file)

@@ -100,6 +100,7 @@ def nearest_kind(name: object, kinds: Iterable[str]) -> str:
     also = "" if meant else next((one for one, names in ALSO_KNOWN_AS.items() if _has_phrase(words, names)), "")
     if also in kinds:
         return f"did you mean {also}? "
+    words = [word for word in words if word not in FILLERS]
     known = {file.removesuffix(".toml"): about.lower() for file, (_, about) in gallery()[1].items()}
 
     def is_meant(recipe: str) -> bool:
