@@ -239,7 +239,7 @@ def _is_no_worse(costs: Real, others: Real) -> bool:
 
 def is_worse(first: PathFound, second: PathFound) -> bool:
     """Whether another linkage is much nearer to the path without more bars, size or a smaller transmission angle."""
-    return _is_no_worse(second.costs(second.size), first.costs(first.size) / [FAR, 1, 1, 1])
+    return _is_no_worse(second.costs(second.size), first.costs(first.size) / np.array([FAR, 1.0, 1.0, 1.0]))
 
 
 def is_same(first: PathFound, second: PathFound) -> bool:
