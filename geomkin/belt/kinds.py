@@ -198,9 +198,10 @@ class AbstractLoopRecipe(AbstractPlatesRecipe):
     def rotating_bodies(self) -> Mapping[str, RotatingBody]:
         """All toothed wheels."""
         drive = self.design
+        loads = (0.0, *self.loads.torques_n_mm) if self.loads else (None,) * len(drive.toothed)
         return {
-            name: RotatingBody(drive.axes[k], drive.speed(name), True, self.efficiency if k else 1.0)
-            for name, k in drive.toothed.items()
+            name: RotatingBody(drive.axes[k], drive.speed(name), True, self.efficiency if k else 1.0, load=load)
+            for (name, k), load in zip(drive.toothed.items(), loads)
         }
 
     @property
@@ -355,10 +356,6 @@ class LoopLoadsAspect(AbstractAspect[AbstractLoopRecipe, LoopLoads]):
             for name, axis, load in zip(names, axes, loads)
         )
         return replace(scene, marks=(*scene.marks, *arrows))
-
-    def torque_at(self, turn: Real) -> Real:
-        """Torque on the driver, against the torques that turn with it."""
-        return np.full(turn.shape, np.copysign(self.tensions.driver_torque, self.mechanism.setting.speed or 1.0))
 
 
 # Set here, since the aspect names the class of its recipe.

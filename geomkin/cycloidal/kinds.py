@@ -265,7 +265,9 @@ class CycloidalDriveRecipe(AbstractPlatesRecipe):
         """The input, whose discs are not round, and the output."""
         return {
             "input": RotatingBody(0j, Fraction(1)),
-            "output": RotatingBody(0j, Fraction(1, self.cycloidal.ratio), True, self.efficiency),
+            "output": RotatingBody(
+                0j, Fraction(1, self.cycloidal.ratio), True, self.efficiency, load=self.loads and self.loads.torque_n_mm
+            ),
         }
 
     @property
@@ -385,9 +387,6 @@ class CycloidalLoadsAspect(AbstractAspect[CycloidalDriveRecipe, CycloidalLoads])
         own = {"pin_force_N": force, "eccentric_force_N": bearing, "output_pin_force_N": output}
         own |= {"input_torque_n_mm": torque} | ({"contact_pressure_N_per_mm2": pressure} if pressure > 0 else {})
         return {"loads": {name: to_digits(value) for name, value in own.items()}}
-
-    def torque_at(self, turn: Real) -> Real:
-        return np.full(turn.shape, np.copysign(self.input_torque, self.mechanism.setting.speed or 1.0))
 
 
 # Set here, since the aspect names the class of its recipe.

@@ -291,22 +291,30 @@ class MachineTorques(TurningMachine):
     def by_driver_at(self, turns: Real) -> Mapping[str, Real]:
         """Torque on the driver of each mechanism with all that it turns, N mm; without those that need none.
 
-        It is the sum of the powers that the drivers of its mechanisms need, over the efficiency of the gears between;
-        power that flows back loses as much. Gears turn at a constant speed, so that their inertia needs no torque.
+        It is the sum of the powers that the drivers of its mechanisms need. What all bodies beyond a mesh or a belt need
+        together goes through it with its losses; power that flows back loses as much. Gears turn at a constant speed, so
+        that their inertia needs no torque.
         """
-        graph, torques = self.graph, dict[str, Real]()
-        for name in reversed(graph.order):
-            own = self.recipes[name].torque_at(self.turn(name, turns))
-            parts = [] if own is None else [own]
-            for other, (turned_by, body) in graph.sources.items():
-                if turned_by == name and other in torques:
-                    ratio, share = graph.speeds[other] / graph.speeds[name], graph.bodies[name][body].efficiency
-                    torque = float(ratio) * torques[other]
-                    is_driven = torque * float(graph.speeds[name]) * self.speed_rpm > 0
-                    parts.append(np.where(is_driven, torque / share, torque * share))
-            if parts:
-                torques[name] = np.sum(parts, axis=0)
+        torques = dict[str, Real]()
+        for name in reversed(self.graph.order):
+            parts = self.recipes[name].torque_at(self.turn(name, turns)), self._through(name, torques, turns)
+            if known := [part for part in parts if part is not None]:
+                torques[name] = np.sum(known, axis=0)
         return torques
+
+    def _through(self, name: str, torques: Mapping[str, Real], turns: Real) -> Real | None:
+        """Torque on the driver of a mechanism by what its bodies turn and by the loads on them; None if they are free."""
+        graph, need, share = self.graph, np.zeros(len(turns)), 1.0
+        sense, is_loaded = np.sign(float(graph.speeds[name]) * self.speed_rpm), False
+        # From the last body to the driver: the efficiency of each is that of all meshes before it.
+        for key, body in reversed(graph.bodies[name].items()):
+            passed = body.efficiency / share
+            need = np.where(need * sense > 0, need * passed, need / passed)
+            turned = [other for other, source in graph.sources.items() if source == (name, key) and other in torques]
+            need = need + sum(float(graph.speeds[other] / graph.speeds[name]) * torques[other] for other in turned)
+            need = need + sense * abs(float(body.speed)) * (body.load or 0.0)
+            is_loaded, share = is_loaded or bool(turned) or body.load is not None, body.efficiency
+        return need if is_loaded else None
 
     @cached_property
     def dense(self) -> tuple[Real, Mapping[str, Real]]:

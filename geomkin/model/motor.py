@@ -365,6 +365,8 @@ class RotatingBody:
         Share of the power of the driver that reaches it, above 0 to 1; of the same power backwards too.
     is_ring : bool, optional
         Whether it has no middle for a bore, so that a disc on the shaft carries it.
+    load : float, optional
+        Torque that resists its rotation by the loads of its recipe, N mm; None without loads.
     """
 
     axis: complex
@@ -372,6 +374,7 @@ class RotatingBody:
     is_wheel: bool = False
     efficiency: float = 1.0
     is_ring: bool = False
+    load: float | None = None
 
     @property
     def turned_over(self) -> RotatingBody:

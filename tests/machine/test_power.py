@@ -351,8 +351,15 @@ def test_flywheel_of_a_machine_keeps_the_speed_under_a_constant_torque():
 def test_stated_efficiency_of_a_drive_raises_its_own_torque_and_that_of_a_machine(name):
     given, _ = TURNING[name]
     table = {**tomllib.loads(template_of(given["kind"])), **given}
-    ideal, real = (gk.load({**table, "efficiency": share}).torque_at(np.zeros(1)) for share in (1.0, 0.8))
-    assert real == pytest.approx(ideal / 0.8)
+    free = {name: value for name, value in CRANK.items() if name != "loads"}
+
+    def own_torque(share):
+        others = {"free": {"recipe": free, "turned_by": f"drive.{list(from_table(table).rotating_bodies)[1]}"}}
+        mechanisms = {"drive": {"recipe": table | {"efficiency": share}}, **others}
+        return gk.load({"kind": "machine", "mechanisms": mechanisms}).torques.input
+
+    ideal, real = own_torque(1.0), own_torque(0.8)
+    assert ideal.min() > 0 and real == pytest.approx(ideal / 0.8)
 
     def input_torque(share):
         body = list(from_table(table).rotating_bodies)[1]
@@ -362,3 +369,65 @@ def test_stated_efficiency_of_a_drive_raises_its_own_torque_and_that_of_a_machin
 
     ideal, real = input_torque(1.0), input_torque(0.8)
     assert real == pytest.approx(np.where(ideal > 0, ideal / 0.8, 0.8 * ideal), rel=1e-12)
+
+
+CRANK = {
+    "kind": "four-bar",
+    "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70},
+    "loads": {
+        "masses": {"crank": {"mass_kg": 1, "centre": [30, 0]}, "coupler": {"mass_kg": 0}, "rocker": {"mass_kg": 0}}
+    },
+}
+
+
+def weight(angle):
+    """Torque of the weight of one of these cranks, N mm, at its angle, rad."""
+    return 9.81 * 30 * np.cos(angle)
+
+
+def test_weights_that_balance_on_one_shaft_send_no_power_through_the_teeth():
+    pair = PAIR | {"friction": 0.3}
+    legs = {
+        name: {"recipe": CRANK, "turned_by": "pair.second", "phase_deg": phase}
+        for name, phase in (("a", 0), ("b", 180))
+    }
+    machine = gk.load({"kind": "machine", "mechanisms": {"pair": {"recipe": pair}, **legs}})
+    assert np.abs(machine.torques.input).max() < 1e-9
+
+
+@pytest.mark.parametrize("name", ["belt", "cycloidal"])
+@pytest.mark.parametrize("speed", [60, -60])
+def test_a_load_takes_up_what_a_weight_gives_back(name, speed):
+    """The net torque of the body goes through the drive, more than that of the motor where it is positive and else less."""
+    given, _ = TURNING[name]
+    table = {**tomllib.loads(template_of(given["kind"])), **given, "efficiency": 0.8}
+    drive = from_table(table)
+    body = list(drive.rotating_bodies)[1]
+    load = sum(float(turning.load or 0) * abs(turning.speed) for turning in drive.rotating_bodies.values())
+    mechanisms = {"drive": {"recipe": table}, "crank": {"recipe": CRANK, "turned_by": f"drive.{body}"}}
+    machine = gk.load({"kind": "machine", "mechanisms": mechanisms, "drive": {"speed_rpm": speed}})
+    ratio = float(drive.rotating_bodies[body].speed)
+    net = np.sign(speed) * load + ratio * weight(2 * np.pi * ratio * machine.graph.turns)
+    assert load > 0 > (net * speed).min() and (net * speed).max() > 0
+    expected = np.where(net * speed > 0, net / 0.8, net * 0.8)
+    assert machine.torques.input == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
+
+
+def test_each_mesh_of_a_train_carries_the_net_power_of_all_that_lies_beyond_it():
+    stages = [[12, 36], [14, 28]]
+    table = {"kind": "gear-train", "train": {"stages": stages, "module": 1, "friction": 0.25}}
+    train = from_table(table)
+    first, second = train.design.efficiencies
+    legs = {
+        "near": {"recipe": CRANK, "turned_by": "train.driven_1"},
+        "far": {"recipe": CRANK, "turned_by": "train.driven_2", "phase_deg": 120},
+    }
+    machine = gk.load({"kind": "machine", "mechanisms": {"train": {"recipe": table}, **legs}})
+    turns, speeds = machine.graph.turns, [float(speed) for speed in train.design.speeds]
+
+    def through(power, share):
+        return np.where(power > 0, power / share, power * share)
+
+    near = speeds[1] * weight(2 * np.pi * speeds[1] * turns)
+    far = speeds[2] * weight(2 * np.pi * speeds[2] * turns + np.radians(120))
+    assert machine.torques.input == pytest.approx(through(near + through(far, second), first), abs=1e-9)
