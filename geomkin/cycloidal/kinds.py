@@ -35,7 +35,7 @@ from ..model.scene import Plot, Scene, SceneBody, SceneCurve, SceneHandle, Scene
 from ..model.table import Column, Table
 from ..plane.curve import Mirrored
 from ..plane.primitives import Circle
-from ..plane.vec import Real, spaced_directions
+from ..plane.vec import Complex, Real, spaced_directions
 from ..recipe.aspect import AbstractAspect
 from ..recipe.composed import AbstractPlatesRecipe
 from ..recipe.recipe import assembly_summary
@@ -263,12 +263,26 @@ class CycloidalDriveRecipe(AbstractPlatesRecipe):
     @property
     def rotating_bodies(self) -> Mapping[str, RotatingBody]:
         """The input, whose discs are not round, and the output."""
-        return {
-            "input": RotatingBody(0j, Fraction(1)),
-            "output": RotatingBody(
-                0j, Fraction(1, self.cycloidal.ratio), True, self.efficiency, load=self.loads and self.loads.torque_n_mm
-            ),
-        }
+        load = self.loads.torque_n_mm if self.loads else None
+        output = RotatingBody(0j, Fraction(1, self.cycloidal.ratio), True, self.efficiency, load=load)
+        return {"input": RotatingBody(0j, Fraction(1)), "output": output}
+
+    @property
+    def depends_on_setting(self) -> bool:
+        return True
+
+    def shaking_at(self, turn: Real) -> tuple[Complex, Real] | None:
+        if self.stock.material is None:
+            return None
+        # Discs and eccentrics run round the axis, and the output is balanced.
+        speed = self.setting.speed or self.drive.speed
+        places = [
+            mass.mass * (body.origin + body.direction * mass.centre)
+            for body in self.plates.bodies(turn)
+            for part in body.parts
+            if not body.fixed and (mass := part.mass) is not None
+        ]
+        return np.asarray(1e-3 * speed**2 * np.sum(places, axis=0)), 0.0 * turn
 
     @property
     def own_checks(self) -> tuple[Check, ...]:
@@ -372,7 +386,7 @@ class CycloidalLoadsAspect(AbstractAspect[CycloidalDriveRecipe, CycloidalLoads])
 
     @property
     def checks(self) -> Iterator[Check]:
-        yield from mounted_motor_checks(self.mechanism)
+        yield from mounted_motor_checks(self.mechanism, self.input_torque)
         material, pressure = self.mechanism.stock.material, self.largest[-1]
         if material is not None and pressure > 0 and np.isfinite(material.yielding_pressure):
             words = f"pressure at which {material.name} yields over that of disc and pin"

@@ -14,7 +14,7 @@ from ..core.fields import FARTHEST, entry, quantity, to_digits
 from ..core.records import record
 from ..core.units import UNITS, mm
 from ..making.assembly import BaseStock
-from ..making.motors import mounted_motor_checks
+from ..making.motors import TURN, mounted_motor_checks
 from ..model.check import Check, WorkedFormula, WorkedFormulas
 from ..model.machinability import OF_KERF
 from ..model.motor import RotatingBody
@@ -315,7 +315,7 @@ class GenevaLoadsAspect(AbstractAspect[GenevaRecipe, GenevaLoads]):
 
     @property
     def checks(self) -> Iterator[Check]:
-        yield from mounted_motor_checks(self.mechanism)
+        yield from mounted_motor_checks(self.mechanism, self.torque_at(TURN))
         if (allowed := self.given.allowed_force_n) is not None:
             advice = "give a lower drive.speed_rpm, a smaller load, or more geneva.slots"
             yield Check("pin_load", "force of a pin on its slot", self.largest[0], "at most", allowed, "N", advice)

@@ -119,6 +119,7 @@ class MachineRecipe(AbstractAssembledRecipe):
             if (kerf := mechanism.recipe.files.kerf) not in (0, self.files.kerf):
                 problem = f"found {mm(self.files.kerf):g}, but {mm(kerf):g} in the recipe of {name}"
                 raise DesignError("files.kerf", problem, f"give {mm(kerf):g} as kerf in [files]", "conflict")
+        check_gravity(self.mechanisms)
         if not any(isinstance(recipe, AbstractGoal) for recipe in alone(self.mechanisms).values()):
             # Raises for shafts that do not join, and for a long period. A goal would search for its mechanism first.
             self.graph.period  # noqa: B018
@@ -144,8 +145,8 @@ class MachineRecipe(AbstractAssembledRecipe):
             if not bodies[name]:
                 problem = f"this {recipe.kind} has no driver that makes whole turns on a fixed shaft and moves others"
                 remedy = (
-                    "give a linkage whose crank turns by 360 deg, a cam, Geneva drive or ratchet, a belt or chain, or "
-                    "gears in mesh"
+                    "give a linkage whose crank turns by 360 deg, a cam, a Geneva or cycloidal drive, a ratchet, a belt "
+                    "or chain, or a pair, planetary set or train of involute gears"
                 )
                 raise DesignError(f"mechanisms.{name}.recipe", problem, remedy, "conflict")
         return ShaftGraph(bodies, {name: mechanism.turned_by for name, mechanism in self.mechanisms.items()})
@@ -417,6 +418,18 @@ def check_settings(key: str, mechanism: Mechanism) -> None:
         if getattr(getattr(mechanism.recipe, table, None), name, None):
             problem = "is given, but the machine sets speed and motor of this mechanism"
             raise DesignError(f"{key}.recipe.{path}", problem, "omit it", "conflict")
+
+
+def check_gravity(mechanisms: Mapping[str, Mechanism]) -> None:
+    """DesignError for two gravities in one machine."""
+    loads = {name: getattr(mechanism.recipe, "loads", None) for name, mechanism in mechanisms.items()}
+    known = {name: gravity for name, own in loads.items() if (gravity := getattr(own, "gravity_m_per_s2", None))}
+    first = next(iter(known), "")
+    for name, gravity in known.items():
+        if gravity != known[first]:
+            problem = f"found {list(gravity)}, but {first} has {list(known[first])}"
+            remedy = "give all mechanisms with loads the gravity of the machine"
+            raise DesignError(f"mechanisms.{name}.recipe.loads.gravity_m_per_s2", problem, remedy, "conflict")
 
 
 def checks_of(machine: MachineRecipe, kind: Literal["design_checks", "motion_checks"]) -> Iterator[Check]:

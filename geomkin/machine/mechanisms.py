@@ -294,7 +294,9 @@ class PlacedMechanism:
         yield Column(f"{self.name}_driver_angle", "deg", meaning, np.degrees(self.turn))
         for column in self._own_scene.table.columns[1:]:
             if column.unit in UNITS:
-                yield replace(column, id=f"{self.name}_{column.id}", meaning=f"{self.name}: {column.meaning}")
+                yield replace(
+                    column, id=f"{self.name}_{column.id}", meaning=f"{self.name}, in its own frame: {column.meaning}"
+                )
 
     @property
     def main_columns(self) -> dict[str, list[str]]:

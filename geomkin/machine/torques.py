@@ -229,6 +229,8 @@ class MachineWalking(TurningMachine):
         return {**stance, **({"walking": self.walking.summary} if self.walking else {})}
 
 
+# Whose masses shake the frame of a machine.
+SHAKING = "linkages with loads and of cycloidal drives with a material"
 # Steps of the torques for each row of the table, of which there are at least 72 in a turn of a crank.
 BETWEEN = 3
 
@@ -255,9 +257,10 @@ class MachineTorques(TurningMachine):
 
     @cached_property
     def shaking(self) -> tuple[Complex, Real] | None:
-        """Force, N, and moment about the driver's axis, N mm, by which all masses shake the frame, at the frames.
+        """Force, N, and moment about the driver's axis, N mm, by which masses shake the frame, at the frames.
 
-        None without linkages under loads, or with loads whose shaking is not computed, such as those of cams.
+        Those of linkages under loads and of cycloidal drives with a material; None without any, or with loads whose
+        shaking is not computed, such as those of cams.
         """
         force, moment, is_known, origin = np.zeros(len(self.turns), complex), np.zeros(len(self.turns)), False, None
         for name in self.graph.order:
@@ -278,8 +281,8 @@ class MachineTorques(TurningMachine):
     def columns(self) -> Iterator[Column]:
         """Shaking force and moment of all mechanisms."""
         if self.shaking:
-            yield from vector_columns("shaking_force", "N", "shaking force of all masses on the frame", self.shaking[0])
-            meaning = "shaking moment of all masses about the driver's axis"
+            yield from vector_columns("shaking_force", "N", f"shaking force of {SHAKING}", self.shaking[0])
+            meaning = f"shaking moment about the driver's axis, of {SHAKING}"
             yield Column("shaking_moment", "N mm", meaning, self.shaking[1])
 
     @property
@@ -291,9 +294,9 @@ class MachineTorques(TurningMachine):
     def by_driver_at(self, turns: Real) -> Mapping[str, Real]:
         """Torque on the driver of each mechanism with all that it turns, N mm; without those that need none.
 
-        It is the sum of the powers that the drivers of its mechanisms need. What all bodies beyond a mesh or a belt need
-        together goes through it with its losses; power that flows back loses as much. Gears turn at a constant speed, so
-        that their inertia needs no torque.
+        It is the sum of the powers that the drivers of its mechanisms need. What all bodies beyond a mesh or a belt
+        need together goes through it with its losses; power that flows back loses as much. Gears turn at a constant
+        speed, so that their inertia needs no torque.
         """
         torques = dict[str, Real]()
         for name in reversed(self.graph.order):
@@ -303,11 +306,11 @@ class MachineTorques(TurningMachine):
         return torques
 
     def _through(self, name: str, torques: Mapping[str, Real], turns: Real) -> Real | None:
-        """Torque on the driver of a mechanism by what its bodies turn and by the loads on them; None if they are free."""
+        """Torque on the driver of a mechanism by what its bodies turn and the loads on them; None if they are free."""
         graph, need, share = self.graph, np.zeros(len(turns)), 1.0
         sense, is_loaded = np.sign(float(graph.speeds[name]) * self.speed_rpm), False
         # From the last body to the driver: the efficiency of each is that of all meshes before it.
-        for key, body in reversed(graph.bodies[name].items()):
+        for key, body in reversed([*graph.bodies[name].items()]):
             passed = body.efficiency / share
             need = np.where(need * sense > 0, need * passed, need / passed)
             turned = [other for other, source in graph.sources.items() if source == (name, key) and other in torques]

@@ -18,7 +18,7 @@ from ..model.motor import RPM, Motor, MotorDuty
 from ..model.part import HoleFit, Part
 from ..model.scene import SceneBody
 from ..plane.primitives import Circle, rounded_hull
-from ..plane.vec import Complex
+from ..plane.vec import Complex, Real
 from .fasteners import LENGTHS, SIZES, ThreadDiameter
 from .materials import NamedIn
 
@@ -190,12 +190,12 @@ def motor_check(
 TURN = np.linspace(0, 2 * np.pi, 3601)
 
 
-def mounted_motor_checks(mechanism: Any) -> Iterator[Check]:
-    """Whether the motor on a plate supplies the torque of a mechanism's loads; a machine checks that of its driver."""
-    motor, torque = MOTORS.get(str(mechanism.stock.motor)), mechanism.torque_at(TURN)
-    if motor is not None and torque is not None and mechanism.setting.speed is None:
-        speed = np.full(TURN.shape, mechanism.drive.speed)
-        yield motor_check(motor, MotorDuty(torque, speed, TURN), key="stock.motor")
+def mounted_motor_checks(mechanism: Any, torque: float | Real) -> Iterator[Check]:
+    """Whether the motor on a plate supplies a mechanism's torque over `TURN`; a machine checks that of its driver."""
+    motor = MOTORS.get(str(mechanism.stock.motor))
+    if motor is not None and mechanism.setting.speed is None:
+        torques, speed = np.broadcast_to(torque, TURN.shape), np.full(TURN.shape, mechanism.drive.speed)
+        yield motor_check(motor, MotorDuty(torques, speed, TURN), key="stock.motor")
 
 
 def engagement_check(motor: str | MotorFace, engaged: float, below: float) -> Check:

@@ -26,7 +26,7 @@ from ..making.assembly import (
     standing_plate,
 )
 from ..making.bores import AbstractBored, bore, clearance, fits_of, shaft, widened
-from ..making.motors import mounted_motor_checks
+from ..making.motors import TURN, mounted_motor_checks
 from ..model.check import Check
 from ..model.motor import RotatingBody
 from ..model.part import Part
@@ -370,7 +370,7 @@ class RatchetLoadsAspect(AbstractAspect[RatchetRecipe, RatchetLoads]):
 
     @property
     def checks(self) -> Iterator[Check]:
-        yield from mounted_motor_checks(self.mechanism)
+        yield from mounted_motor_checks(self.mechanism, self.torque_at(TURN))
         if (allowed := self.given.allowed_force_n) is not None:
             advice = "give a larger ratchet.diameter, or a smaller load"
             yield Check("pawl_load", "force on the pawl", self.force, "at most", allowed, "N", advice)

@@ -290,7 +290,7 @@ class AbstractPlaced:
     def torque_at(self, turn: Real) -> Real | None:
         """Torque on the driver under the loads, N mm, at rotations as in `scene_at`; None without loads.
 
-        Positive in the direction in which the rotations count.
+        Positive in the direction in which the rotations count; without the `load` of its rotating bodies.
         """
         return None
 

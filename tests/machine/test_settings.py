@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.core.errors import RecipeError
 
 CASES = Path(__file__).parents[1] / "cases"
 PAIR = {"recipe": {"kind": "gear-pair", "first": {"teeth": 12, "module": 2, "profile_shift": 0.3},
@@ -129,3 +130,13 @@ def test_weight_of_a_turned_mechanism_is_lifted_in_the_world_also_if_it_is_mirro
     angle = 2 * np.pi * made.turns
     work = np.concatenate([[0], np.cumsum(np.diff(angle) * (made.torques.input[1:] + made.torques.input[:-1]) / 2)])
     assert work == pytest.approx(MASS * GRAVITY * (height - height[0]), abs=2e-3 * MASS * GRAVITY * np.ptp(height))
+
+
+def test_machine_has_one_gravity():
+    flat = {**PUMP, "loads": {**PUMP["loads"], "gravity_m_per_s2": [0, 0]}}
+    one, other = {"recipe": PUMP, "turned_by": "pair.second"}, {"recipe": flat, "turned_by": "pair.second"}
+    with pytest.raises(RecipeError) as caught:
+        gk.load({"kind": "machine", "mechanisms": {"pair": PAIR, "one": one, "other": other}})
+    assert [problem.key for problem in caught.value.problems] == ["mechanisms.other.recipe.loads.gravity_m_per_s2"]
+    level = {"pair": PAIR, "one": {**one, "recipe": flat}, "other": other}
+    assert gk.load({"kind": "machine", "mechanisms": level}).torques.input is not None
