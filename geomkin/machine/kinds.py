@@ -145,8 +145,8 @@ class MachineRecipe(AbstractAssembledRecipe):
             if not bodies[name]:
                 problem = f"this {recipe.kind} has no driver that makes whole turns on a fixed shaft and moves others"
                 remedy = (
-                    "give a linkage whose crank turns by 360 deg, a cam, a Geneva or cycloidal drive, a ratchet, a belt "
-                    "or chain, or a pair, planetary set or train of involute gears"
+                    "give a linkage whose crank turns by 360 deg, a cam, a Geneva or cycloidal drive, a ratchet, a "
+                    "belt or chain, or a pair, planetary set or train of involute gears"
                 )
                 raise DesignError(f"mechanisms.{name}.recipe", problem, remedy, "conflict")
         return ShaftGraph(bodies, {name: mechanism.turned_by for name, mechanism in self.mechanisms.items()})
