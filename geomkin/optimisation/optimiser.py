@@ -23,7 +23,7 @@ from ..core.processes import Runner, by
 from ..core.processes import report as report_progress
 from ..core.records import record
 from ..core.units import MM, UNITS, marked
-from ..export.summary import write_whole
+from ..export.summary import check_file_names, write_whole
 from ..model.check import Check
 from ..recipe.keys import VariedRecipe, varied
 from ..recipe.kinds import kind_names, recipe_class
@@ -225,6 +225,10 @@ def optimised(
     arguments: dict[str, Any] = {"vary": vary, "minimise": minimise, "subject_to": subject_to}
     omitted = [argument for argument, value in arguments.items() if value is None]
     table = source.opened({}).optimise if omitted else None
+    folder = None if out is None else Path(out) / name
+    copies = {} if folder is None else source.copies(folder)
+    if folder is not None:
+        check_file_names(folder, (f"{name}{ENDING}", *copies))
     try:
         if table is not None:
             given = {"vary": ranges_of(table.vary), "minimise": table.minimise, "subject_to": table.subject_to}
@@ -234,13 +238,13 @@ def optimised(
         if table is None or error.field not in omitted:
             raise
         raise error.named(f"optimise.{error.field}") from None
-    if out is None:
+    if folder is None:
         return found
     if isinstance(found, ParetoFront):
-        return replace(found, files=write_front(found, Path(out) / name, name))
-    folder, content = Path(out) / name, to_toml(found.recipe).encode()
-    write_whole(folder, {f"{name}{ENDING}": content})
-    return replace(found, files={folder / f"{name}{ENDING}": len(content)})
+        return replace(found, files=write_front(found, folder, name, copies))
+    contents = {f"{name}{ENDING}": to_toml(found.recipe).encode(), **copies}
+    write_whole(folder, contents)
+    return replace(found, files={folder / file: len(content) for file, content in contents.items()})
 
 
 def _optimised(

@@ -14,6 +14,7 @@ from tomlkit.items import AoT
 
 from ..core.errors import DesignError, RecipeError, shown
 from ..core.field_visitor import key_parts
+from ..core.names import Folder
 from ..core.records import record
 from .load import from_table, to_toml
 from .recipe import AbstractRecipe
@@ -106,15 +107,21 @@ def _check_step(key: str, table: Any, part: str | int) -> None:
 
 @record
 class VariedRecipe:
-    """A recipe's table as TOML gives it, its name in messages, and the folder of the files that it names."""
+    """A recipe's table as TOML gives it, its name in messages, and the folder of the files that it names, or these."""
 
     recipe: Mapping[str, Any]
     file: str
-    folder: str
+    folder: Folder
 
     def opened(self, changes: Mapping[str, Any]) -> AbstractRecipe:
         """The recipe with these changes. Raises the errors of `gk.load`, and DesignError for an impossible key."""
         return from_table(with_values(self.recipe, changes), self.file, self.folder)
+
+    def copies(self, folder: Path) -> dict[str, bytes]:
+        """The files that the recipe names, for copies of it in a folder; none if that is the folder of the recipe."""
+        if isinstance(self.folder, str) and Path(self.folder).resolve() == folder.resolve():
+            return {}
+        return {name: text.encode() for name, text in self.opened({}).sources.items()}
 
     def check_keys(self, changes: Mapping[str, Any]) -> None:
         """Raise DesignError for a key that the kind of recipe does not have, with the message of `gk.load`."""
@@ -131,8 +138,10 @@ class VariedRecipe:
 
 def varied(source: AbstractRecipe | str | Path | Mapping[str, Any]) -> tuple[VariedRecipe, str]:
     """A recipe, or anything that `gk.load` reads, and the name of its files."""
+    folder: Folder = str(Path.cwd())
     if isinstance(source, AbstractRecipe):
         data, file, name = tomllib.loads(to_toml(source)), source.name or source.kind, source.name
+        folder = source.sources or folder
     elif isinstance(source, Mapping):
         data, file, name = dict(source), "recipe", ""
     elif isinstance(source, str) and "\n" in source:
@@ -141,4 +150,4 @@ def varied(source: AbstractRecipe | str | Path | Mapping[str, Any]) -> tuple[Var
         path = Path(source)
         # Other processes may work in other folders.
         return VariedRecipe(table_of(path), str(path), str(path.absolute().parent)), path.stem
-    return VariedRecipe(data, file, str(Path.cwd())), name or str(data.get("kind", "recipe"))
+    return VariedRecipe(data, file, folder), name or str(data.get("kind", "recipe"))
