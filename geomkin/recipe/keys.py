@@ -98,6 +98,9 @@ def _parts(key: str) -> list[str | int]:
 def _check_step(key: str, table: Any, part: str | int) -> None:
     """DesignError if a part of a key leads through something that is not a table, or to a row that a list lacks."""
     kind, what = (list, "list") if isinstance(part, int) else (Mapping, "table")
+    if isinstance(table, str) and f".recipe.{part}" in key:
+        remedy = "give the recipe of that file as a table in this one, or use that file itself"
+        raise DesignError(key, f"is a key of the file {shown(table)}", remedy, "unknown-key")
     if not isinstance(table, kind):
         raise DesignError(key, f"[{part}] is not inside a {what}", "give a key of the recipe", "unknown-key")
     if isinstance(part, int) and part >= len(table):

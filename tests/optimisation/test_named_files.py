@@ -56,6 +56,20 @@ def test_written_recipes_of_a_front_load_with_the_files_that_they_name(home, tmp
     assert gk.load(tmp_path / "cam" / "cam.front-1.toml") == front.designs[0].recipe
 
 
+@pytest.mark.parametrize(
+    "call", [gk.sweep, lambda source, values: gk.optimise(source, values, "max(leg_rocker_angle)")]
+)
+def test_key_of_a_recipe_in_a_file_is_refused_with_the_file(home, call):
+    key = "mechanisms.leg.recipe.linkage.crank"
+    with pytest.raises(gk.DesignError, match="leg.toml") as refused:
+        call(home / "both.toml", {key: (20, 30)})
+    assert refused.value.field == key
+    table = 'recipe = { kind = "four-bar", linkage = { ground = 100, crank = 30, coupler = 90, rocker = 70 } }'
+    text = (home / "both.toml").read_text().replace('recipe = "leg.toml"', table)
+    (home / "both.toml").write_text(text)
+    call(home / "both.toml", {key: (20, 30)})
+
+
 def test_recipe_in_its_own_output_folder_keeps_its_files(home):
     before = {path: path.read_bytes() for path in home.rglob("*.*")}
     (home / "both.toml").rename(home / "home.toml")
