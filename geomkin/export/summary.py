@@ -38,9 +38,9 @@ def write_whole(folder: Path, contents: Mapping[str, bytes]) -> None:
     """Write files, by name: all under temporary names first, then each renamed over the old one.
 
     A full disk leaves all old files. A kill or a simultaneous second run leaves each file old or new, never partial.
-    Raises FileError with the reason, and for a name that is not a plain file name or differs from another only by case.
+    Raises FileError with the reason, and as `check_file_names`.
     """
-    _check_names(folder, contents)
+    check_file_names(folder, contents)
     with _uninterrupted():
         temporary: dict[str, Path] = {}
         try:
@@ -54,13 +54,16 @@ def write_whole(folder: Path, contents: Mapping[str, bytes]) -> None:
         finally:
             for path in temporary.values():
                 path.unlink(missing_ok=True)
-        _remove_leftovers(folder)
+        for home in {folder, *((folder / name).parent for name in contents)}:
+            _remove_leftovers(home)
 
 
-def _check_names(folder: Path, names: Iterable[str]) -> None:
+def check_file_names(folder: Path, names: Iterable[str]) -> None:
+    """Raise FileError for a name that is not that of a file in the folder or below, and for two that differ by case."""
     seen: set[str] = set()
     for name in names:
-        flaw = file_name_flaw(name) or ("another file has the same name" if folded_name(name) in seen else "")
+        flaw = next(filter(None, map(file_name_flaw, name.split("/"))), "")
+        flaw = flaw or ("another file has the same name" if folded_name(name) in seen else "")
         if flaw:
             problem = f"no file can be written as {shown(name)} ({flaw})"
             raise FileError(folder, problem, "give another name", "file-unwritable")

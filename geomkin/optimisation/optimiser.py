@@ -15,7 +15,7 @@ import numpy as np
 
 from ..build import Readable, valid_recipe_name
 from ..core.arguments import ArgumentType, PositiveFloat, checked, is_real, whole_between
-from ..core.errors import DesignError, printable, shown
+from ..core.errors import DesignError, RecipeError, printable, shown
 from ..core.field_visitor import key_parts, texts_by_key
 from ..core.fields import allowed
 from ..core.names import PathName
@@ -23,7 +23,7 @@ from ..core.processes import Runner, by
 from ..core.processes import report as report_progress
 from ..core.records import record
 from ..core.units import MM, UNITS, marked
-from ..export.summary import write_whole
+from ..export.summary import check_file_names, write_whole
 from ..model.check import Check
 from ..recipe.keys import VariedRecipe, varied
 from ..recipe.kinds import kind_names, recipe_class
@@ -35,6 +35,8 @@ from .search import MOST_OBJECTIVES, Box, FrontDesign, ParetoFront, front_of, se
 
 # Largest number of combinations of whole numbers, each of which is searched.
 MOST_COMBINATIONS = 10_000
+# Distance from an end of its range, as a share of it, at which a value counts as the end.
+AT_END = 1e-6
 # End of the name of the written recipe.
 ENDING = ".optimum.toml"
 
@@ -83,6 +85,8 @@ class OptimisedDesign:
         Number of designs that were tried.
     cut_short : bool
         Whether the time limit or an interruption ended the search.
+    at_ends : tuple of str
+        Keys whose best value is an end of their range, so that another range may have a better one.
     files : mapping of Path to int
         Written files with their size in bytes.
     """
@@ -94,6 +98,7 @@ class OptimisedDesign:
     constraints: tuple[Check, ...]
     evaluations: int
     cut_short: bool = False
+    at_ends: tuple[str, ...] = ()
     files: Mapping[Path, int] = field(default_factory=dict)
 
     @property
@@ -101,7 +106,10 @@ class OptimisedDesign:
         """Values, objective and constraints as lines of text."""
         results = {**self.values, self.minimised: self.objective}
         verdicts = [f"  {'pass' if check.passed else 'FAIL'}  {check}" for check in self.constraints]
-        return [*(f"{printable(name)} = {value:.8g}" for name, value in results.items()), *verdicts]
+        ends = ", ".join(map(printable, self.at_ends))
+        note = f"  note  {ends}: best at an end of the range; another range may have a better design"
+        values = (f"{printable(name)} = {value:.8g}" for name, value in results.items())
+        return [*values, *verdicts, *[note] * bool(ends)]
 
 
 @overload
@@ -225,6 +233,10 @@ def optimised(
     arguments: dict[str, Any] = {"vary": vary, "minimise": minimise, "subject_to": subject_to}
     omitted = [argument for argument, value in arguments.items() if value is None]
     table = source.opened({}).optimise if omitted else None
+    folder = None if out is None else Path(out) / name
+    copies = {} if folder is None else source.copies(folder)
+    if folder is not None:
+        check_file_names(folder, (f"{name}{ENDING}", *copies))
     try:
         if table is not None:
             given = {"vary": ranges_of(table.vary), "minimise": table.minimise, "subject_to": table.subject_to}
@@ -234,13 +246,13 @@ def optimised(
         if table is None or error.field not in omitted:
             raise
         raise error.named(f"optimise.{error.field}") from None
-    if out is None:
+    if folder is None:
         return found
     if isinstance(found, ParetoFront):
-        return replace(found, files=write_front(found, Path(out) / name, name))
-    folder, content = Path(out) / name, to_toml(found.recipe).encode()
-    write_whole(folder, {f"{name}{ENDING}": content})
-    return replace(found, files={folder / f"{name}{ENDING}": len(content)})
+        return replace(found, files=write_front(found, folder, name, copies))
+    contents = {f"{name}{ENDING}": to_toml(found.recipe).encode(), **copies}
+    write_whole(folder, contents)
+    return replace(found, files={folder / file: len(content) for file, content in contents.items()})
 
 
 def _optimised(
@@ -279,7 +291,7 @@ def _optimised(
         trials.is_cut = True
     report_progress(1.0, "optimising")
     best = _best(trials)
-    return _result(trials, best) if is_single else _front(trials, boxes)
+    return _result(trials, best, ranges) if is_single else _front(trials, boxes)
 
 
 def ranges_of(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
@@ -349,12 +361,27 @@ def _own_values(source: VariedRecipe, ranges: Mapping[str, tuple[float, float]])
         for part in key_parts(key):
             given = given[part] if isinstance(part, int) or part in given else {}
         # A key that is left out may have no value.
-        if key not in numbers and given != {}:
-            problem = f"found {shown(given)}, which is not a number"
-            raise DesignError(key, problem, "give a key of a number", "wrong-type")
-        value = numbers.get(key, (low + high) / 2)
+        value = numbers.get(key)
+        if value is None and given == {}:
+            value = _accepted(source, key, low, high)
+        if value is None:
+            problem = "is not a number" if given == {} else f"found {shown(given)}, which is not a number"
+            remedy = f"vary keys of numbers; `geomkin sweep --set {key}=VALUE,VALUE` tries values that are not"
+            raise DesignError(key, problem, remedy, "wrong-type")
         own[key] = value if isinstance(value, int) else float(min(max(value, low), high))
     return own
+
+
+def _accepted(source: VariedRecipe, key: str, low: float, high: float) -> float | None:
+    """The middle of the range of a key, or a whole number in it if only these are; None if it takes no numbers."""
+    for value in ((low + high) / 2, math.ceil(low)):
+        try:
+            source.opened({key: value})
+        except RecipeError as error:
+            if any(problem.key == key and problem.id == "wrong-type" for problem in error.problems):
+                continue
+        return value
+    return None
 
 
 def _best(trials: Trials) -> TriedDesign:
@@ -371,7 +398,7 @@ def _best(trials: Trials) -> TriedDesign:
     return design
 
 
-def _result(trials: Trials, design: TriedDesign) -> OptimisedDesign:
+def _result(trials: Trials, design: TriedDesign, ranges: Mapping[str, tuple[float, float]]) -> OptimisedDesign:
     recipe = trials.recipe.opened(design.values)
     return OptimisedDesign(
         recipe=recipe,
@@ -384,7 +411,13 @@ def _result(trials: Trials, design: TriedDesign) -> OptimisedDesign:
         ),
         evaluations=trials.count,
         cut_short=trials.is_cut,
+        at_ends=tuple(key for key, value in design.values.items() if _is_at_end(value, *ranges[key])),
     )
+
+
+def _is_at_end(value: float, low: float, high: float) -> bool:
+    step = 1 if isinstance(value, int) else AT_END * (high - low)
+    return value - step < low or value + step > high
 
 
 def _front(trials: Trials, boxes: Sequence[Box]) -> ParetoFront:

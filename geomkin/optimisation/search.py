@@ -438,8 +438,8 @@ CHOOSE = """(row) => {
 }"""
 
 
-def write_front(front: ParetoFront, folder: Path, name: str) -> dict[Path, int]:
-    """Write the table, the picture, the page and a recipe for each design.
+def write_front(front: ParetoFront, folder: Path, name: str, copies: Mapping[str, bytes]) -> dict[Path, int]:
+    """Write the table, the picture, the page, a recipe for each design, and copies of the files that they name.
 
     Recipes of an earlier, longer front are removed.
     """
@@ -450,6 +450,7 @@ def write_front(front: ParetoFront, folder: Path, name: str) -> dict[Path, int]:
     }
     for k, design in enumerate(front.designs, 1):
         contents[f"{name}.front-{k}.toml"] = to_toml(design.recipe).encode()
+    contents |= copies
     write_whole(folder, contents)
     for path in folder.glob(f"{escape(name)}.front-*.toml"):
         if path.name not in contents:

@@ -14,6 +14,7 @@ from tomlkit.items import AoT
 
 from ..core.errors import DesignError, RecipeError, shown
 from ..core.field_visitor import key_parts
+from ..core.names import Folder
 from ..core.records import record
 from .load import from_table, to_toml
 from .recipe import AbstractRecipe
@@ -97,6 +98,9 @@ def _parts(key: str) -> list[str | int]:
 def _check_step(key: str, table: Any, part: str | int) -> None:
     """DesignError if a part of a key leads through something that is not a table, or to a row that a list lacks."""
     kind, what = (list, "list") if isinstance(part, int) else (Mapping, "table")
+    if isinstance(table, str) and f".recipe.{part}" in key:
+        remedy = "give the recipe of that file as a table in this one, or use that file itself"
+        raise DesignError(key, f"is a key of the file {shown(table)}", remedy, "unknown-key")
     if not isinstance(table, kind):
         raise DesignError(key, f"[{part}] is not inside a {what}", "give a key of the recipe", "unknown-key")
     if isinstance(part, int) and part >= len(table):
@@ -106,15 +110,21 @@ def _check_step(key: str, table: Any, part: str | int) -> None:
 
 @record
 class VariedRecipe:
-    """A recipe's table as TOML gives it, its name in messages, and the folder of the files that it names."""
+    """A recipe's table as TOML gives it, its name in messages, and the folder of the files that it names, or these."""
 
     recipe: Mapping[str, Any]
     file: str
-    folder: str
+    folder: Folder
 
     def opened(self, changes: Mapping[str, Any]) -> AbstractRecipe:
         """The recipe with these changes. Raises the errors of `gk.load`, and DesignError for an impossible key."""
         return from_table(with_values(self.recipe, changes), self.file, self.folder)
+
+    def copies(self, folder: Path) -> dict[str, bytes]:
+        """The files that the recipe names, for copies of it in a folder; none if that is the folder of the recipe."""
+        if isinstance(self.folder, str) and Path(self.folder).resolve() == folder.resolve():
+            return {}
+        return {name: text.encode() for name, text in self.opened({}).sources.items()}
 
     def check_keys(self, changes: Mapping[str, Any]) -> None:
         """Raise DesignError for a key that the kind of recipe does not have, with the message of `gk.load`."""
@@ -131,8 +141,10 @@ class VariedRecipe:
 
 def varied(source: AbstractRecipe | str | Path | Mapping[str, Any]) -> tuple[VariedRecipe, str]:
     """A recipe, or anything that `gk.load` reads, and the name of its files."""
+    folder: Folder = str(Path.cwd())
     if isinstance(source, AbstractRecipe):
         data, file, name = tomllib.loads(to_toml(source)), source.name or source.kind, source.name
+        folder = source.sources or folder
     elif isinstance(source, Mapping):
         data, file, name = dict(source), "recipe", ""
     elif isinstance(source, str) and "\n" in source:
@@ -141,4 +153,4 @@ def varied(source: AbstractRecipe | str | Path | Mapping[str, Any]) -> tuple[Var
         path = Path(source)
         # Other processes may work in other folders.
         return VariedRecipe(table_of(path), str(path), str(path.absolute().parent)), path.stem
-    return VariedRecipe(data, file, str(Path.cwd())), name or str(data.get("kind", "recipe"))
+    return VariedRecipe(data, file, folder), name or str(data.get("kind", "recipe"))

@@ -320,9 +320,9 @@ class _TableReader:
             return given
         *others, last = map(repr, choices)
         expected = f"{', '.join(others)} or {last}" if others else last
-        return self.refuse(
-            key, f"found {shown(given)}", f"{did_you_mean(given, map(str, choices))}give {expected}", "out-of-range"
-        )
+        is_text = isinstance(given, str) or not all(isinstance(one, str) for one in choices)
+        id: ProblemId = "out-of-range" if is_text else "wrong-type"
+        return self.refuse(key, f"found {shown(given)}", f"{did_you_mean(given, map(str, choices))}give {expected}", id)
 
     def first(self, given: Any, options: Sequence[Any], key: str, declared: DeclaredField) -> Any:
         """The first of several types that fits."""

@@ -17,6 +17,7 @@ import numpy as np
 from ..build import errors_named_by_key
 from ..core.errors import DesignError, GeomkinError, printable, shown
 from ..core.fields import rounded_up
+from ..core.names import Folder
 from ..core.processes import progress_to
 from ..core.records import record
 from ..model.check import Check
@@ -246,7 +247,7 @@ def _entries(path: str, notes: Mapping[str, object]) -> dict[str, Any]:
     return entries
 
 
-def file_hashes(value: object, folder: str) -> list[str]:
+def file_hashes(value: object, folder: Folder) -> list[str]:
     """Hashes of the files that a recipe names, since a changed file changes the results."""
     if isinstance(value, Mapping):
         return [digest for item in value.values() for digest in file_hashes(item, folder)]
@@ -254,8 +255,10 @@ def file_hashes(value: object, folder: str) -> list[str]:
         return [digest for item in value for digest in file_hashes(item, folder)]
     if not isinstance(value, str) or not value or len(value) > 1000:
         return []
+    if isinstance(folder, Mapping):
+        return [hashlib.sha256(folder[value].encode()).hexdigest()] if value in folder else []
     try:
-        home = Path(folder).resolve()
+        home = Path(folder or ".").resolve()
         path = (home / value).resolve()
         if not path.is_relative_to(home) or not path.is_file() or path.stat().st_size > LARGEST_FILE:
             return []

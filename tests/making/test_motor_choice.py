@@ -235,3 +235,21 @@ def test_advised_slower_speed_is_one_at_which_a_motor_that_is_too_slow_suffices(
     assert not check.passed and 0 < rpm / speed < 0.5
     slower = motor_torque({**table, "drive": {**table["drive"], "speed_rpm": rpm}})
     assert (slower.passed and slower.value < 1.1 * 1.5) or (kind == "walker" and slower.passed)
+
+
+def test_electric_power_is_stated_of_a_motor_that_supplies_the_torque_at_the_speed():
+    """2059 N mm at standstill and 200 rpm without load: 1750.15 N mm at 30 rpm; its coil at 1750 N mm, by Ohm's law."""
+    motor = gk.making.motor("37d-50")
+
+    def entry(torque, speed=30):
+        loads = {"motors": ["37d-50"], "torques": [{"body": "crank", "torque_n_mm": -torque}]}
+        linkage = {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70}
+        recipe = {"kind": "four-bar", "linkage": linkage, "drive": {"speed_rpm": speed}, "loads": loads}
+        return gk.load(recipe).notes["loads"]["motors"][0]
+
+    idle, stall, volts = motor.no_load_current_a, motor.stall_current_a, motor.voltage_v
+    current = idle + (stall - idle) * 1750 / 2059
+    watts = current * (current * volts / stall + (volts - idle * volts / stall) * 30 / 200)
+    assert entry(1750)["electric_power_W"] == pytest.approx(watts, rel=1e-3) and not entry(1750)["suffices"]
+    for torque, speed in ((1751, 30), (5000, 30), (100, 200), (100, 250)):
+        assert "electric_power_W" not in entry(torque, speed)

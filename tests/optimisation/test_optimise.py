@@ -72,6 +72,12 @@ def test_whole_numbers_are_enumerated():
     assert isinstance(best.recipe.gear.teeth, int) and best.evaluations < 30
 
 
+def test_whole_number_without_a_value_of_its_own_is_enumerated():
+    belt = {"kind": "belt-drive", "pulleys": [{"teeth": 20}, {"teeth": 30, "at": [60, 0]}]}
+    best = gk.optimise(belt, {"belt.teeth": (80.5, 85.5)}, "-room", starts=1)
+    assert best.values == {"belt.teeth": 85} and best.evaluations == 5
+
+
 def test_a_length_outside_its_range_of_whole_numbers_still_varies_continuously():
     best = gk.optimise(FOUR_BAR, {"linkage.coupler": (70, 80), "linkage.rocker": (60, 80)}, TRANSMISSION, starts=1)
     assert best.values["linkage.coupler"] == pytest.approx(np.sqrt((30**2 + 100**2) / 2), rel=1e-5)
@@ -157,6 +163,9 @@ VARY = {"linkage.crank": (20, 40)}
         ({"linkage.crank": (-2, -1)}, TRANSMISSION, (), "linkage.crank", "above 0"),
         ({"linkage.crank": (-5, 40)}, TRANSMISSION, (), "linkage.crank", "above 0"),
         ({"linkage.crank": (0, 1e12)}, TRANSMISSION, (), "linkage.crank", "at most"),
+        ({"files.labels": (0, 1)}, TRANSMISSION, (), "files.labels", "geomkin sweep --set files.labels="),
+        ({"files.curves": (0, 1)}, TRANSMISSION, (), "files.curves", "geomkin sweep --set files.curves="),
+        ({"drive": (0, 1)}, TRANSMISSION, (), "drive", "number"),
         ({"": (1, 2)}, TRANSMISSION, (), "", "empty"),
         ({}, TRANSMISSION, (), "vary", "linkage.crank"),
         (VARY, "min(transmission_angel)", (), "minimise", "transmission_angle"),
@@ -265,7 +274,7 @@ def test_interruption_keeps_the_best_design(monkeypatch, tmp_path):
         result = CliRunner().invoke(cli, command(tmp_path))
     finally:
         signal.signal(signal.SIGINT, before)
-    assert result.exit_code == 0 and "ended before" in result.output
+    assert result.exit_code == 0 and "Ctrl-C" in result.output
     assert (tmp_path / "bar" / "bar.optimum.toml").exists()
 
 
@@ -278,6 +287,27 @@ def test_a_search_without_time_for_one_design_has_a_reason():
 def test_time_limit_ends_the_search():
     best = gk.optimise(FOUR_BAR, SIDES, TRANSMISSION, starts=1000, time_limit=0.3)
     assert best.cut_short and best.constraints == ()
+
+
+def test_command_names_the_time_limit_that_ended_it(monkeypatch, tmp_path):
+    assert "time-limit" not in CliRunner().invoke(cli, command(tmp_path)).output
+    monkeypatch.setattr(Trials, "over", lambda self: setattr(self, "is_cut", len(self.designs) > 1) or self.is_cut)
+    assert "--time-limit 7.5 s" in CliRunner().invoke(cli, [*command(tmp_path), "--time-limit=7.5"]).output
+
+
+@pytest.mark.parametrize(
+    ("recipe", "vary", "minimise", "at_ends"),
+    [
+        (FOUR_BAR, {"linkage.coupler": (60, 70), "linkage.rocker": (60, 120)}, TRANSMISSION, ("linkage.coupler",)),
+        (FOUR_BAR, SIDES, TRANSMISSION, ()),
+        (GEAR, {"gear.teeth": (7.5, 12.5)}, "-rim", ("gear.teeth",)),
+        (GEAR, {"gear.teeth": (7.5, 12.5)}, "abs(rim - 3.6)", ()),
+    ],
+)
+def test_keys_whose_best_value_is_an_end_of_their_range_are_named(recipe, vary, minimise, at_ends):
+    best = gk.optimise(recipe, vary, minimise, starts=1)
+    assert best.at_ends == at_ends
+    assert at_ends == () or at_ends[0] in best.lines[-1]
 
 
 @pytest.mark.parametrize(

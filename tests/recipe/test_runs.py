@@ -71,6 +71,14 @@ def test_a_torque_that_does_not_lift_the_weight_stalls():
     assert not check.passed and reached[0] and not reached[-1] and not np.any(np.diff(reached.astype(int)) > 0)
 
 
+@pytest.mark.parametrize("torque", [-10, 0])
+def test_a_torque_that_turns_nothing_forwards_fails_one_check_and_stays_at_its_start(torque):
+    recipe = run({"torque_n_mm": torque}, {"gravity_m_per_s2": [0, 0]})
+    assert [check.id for check in recipe.checks if not check.passed] == ["run_turns"]
+    for column in ("run_time", "run_speed"):
+        assert recipe.table[column][0] == 0 and np.isnan(recipe.table[column][1:]).all()
+
+
 @pytest.mark.parametrize("linkage", [{"ground": 20, "coupler": 60}, {"ground": 100, "coupler": 100}])
 def test_a_run_needs_a_start_at_which_the_linkage_closes_and_can_move(linkage):
     recipe = run({"torque_n_mm": 15}, linkage=FOUR_BAR | {"rocker": 30} | linkage)

@@ -41,8 +41,8 @@ class ComparedMotor:
     """A motor on the shaft of a linkage.
 
     duty: at the speed of the recipe. largest_speed: at which its margin suffices, rad/s; 0 if at none. walks: distance
-    per turn of the shaft, mm; 0 if it does not walk. power: mean electric power at the speed of the recipe, W. energy:
-    of the battery, Wh.
+    per turn of the shaft, mm; 0 if it does not walk. power: mean electric power at the speed of the recipe, W; nan if
+    it is not able to turn it. energy: of the battery, Wh.
     """
 
     motor: Motor
@@ -111,7 +111,8 @@ def compared_motor(
 
     duty = duty_of(torque_at(made.speed, made.acceleration), made.speed)
     power = motor.electric_power(duty.torque, duty.speed)
-    mean = float(np.trapezoid(power, positions) / (positions[-1] - positions[0]))
+    can_turn = motor.margin(duty) > 0 and (motor.torque_at(duty.speed) >= np.abs(duty.torque)).all()
+    mean = float(np.trapezoid(power, positions) / (positions[-1] - positions[0])) if can_turn else np.nan
     # Its margin falls with the speed, apart from inertia that relieves it: the first speed at which it is too small.
     low, high = 0.0, RPM * motor.speed_rpm
     parabolas = np.linalg.solve(
