@@ -156,7 +156,7 @@ def summary(
     `recipe` is the data of the recipe file, `notes` are further entries, `written` lists names of files by format,
     `further_files` other files.
     """
-    files = sorted([*(name for names in written.values() for name in names), *further_files])
+    files = sorted({*(name for names in written.values() for name in names), *further_files})
     sizes = _as_written(job, written)
     entries = {
         "name": job.name,

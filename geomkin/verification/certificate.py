@@ -17,7 +17,7 @@ from ..core.processes import report
 from ..core.records import record
 from ..core.units import MM, UNITS, LengthUnit, Sentence, bare_mm, marked, mm, sentences
 from ..export.cut import LayerStyles
-from ..export.formats import format_of
+from ..export.formats import format_in, format_of
 from ..export.summary import CERTIFICATE, FOUND, LAYOUT, NAME, Stamp, read_summary, recipe_hash
 from ..model.machinability import beam_checks, relieved
 from ..recipe.load import from_table
@@ -246,7 +246,7 @@ def _certificate(folder: Path) -> Certificate:
     listed = {str(name) for name in names[:MOST_FILES] if not file_name_flaw(str(name))}
     try:
         recipe = _recipe(folder, summary, data)
-        formats = {format_of("x" + file.removeprefix(name)) for file in listed if not file.endswith(FOUND)}
+        formats = {format_in(name, file) for file in listed if not file.endswith(FOUND)}
         expected = Expected(recipe, computed(recipe, sorted(formats) or None)[1], hashed)
     except GeomkinError as error:
         problem = f"the recipe in {NAME} cannot be made again: {harmless(error)}"
