@@ -148,7 +148,7 @@ def _groups(text: str) -> Iterator[str]:
             entity = value
         elif key == "2" and entity == "SECTION":
             inside = value == "ENTITIES"
-        if inside and entity == "LWPOLYLINE" and key in ("10", "20", "42"):
+        if inside and entity in ("LWPOLYLINE", "VERTEX") and key in ("10", "20", "42"):
             continue
         if inside and entity == "LWPOLYLINE" and key == "90":
             following = (pairs[j][0].strip() for j in range(k + 1, len(pairs)))
