@@ -157,9 +157,7 @@ def summary(
     `further_files` other files.
     """
     files = sorted({*(name for names in written.values() for name in names), *further_files})
-    parts = [
-        _part(part) | _wall(job, part) | sizes for part, sizes in zip(job.source.parts, _as_written(job, written))
-    ]
+    parts = [_part(part) | _wall(job, part) | sizes for part, sizes in zip(job.source.parts, _as_written(job, written))]
     entries = {
         "name": job.name,
         "recipe": recipe,
