@@ -97,7 +97,7 @@ def tail_of(name: str) -> str:
 def format_in(name: str, file: str) -> str:
     """The format of a file of the recipe of this name, to which the pictures of its report belong; "" for none."""
     rest = file.removeprefix(name)
-    is_picture = rest.startswith("-report-") and not rest.endswith(tail_of("plots"))
+    is_picture = rest.startswith("-report-") and rest.endswith(".svg") and not rest.endswith(tail_of("plots"))
     return "report-md" if is_picture else format_of(f"x{rest}")
 
 

@@ -285,7 +285,7 @@ def _certified_reports(
         if not file.file.startswith(f"{expected.recipe.name}-report"):
             rows.append((file.file, file.proof, deviation, verdict))
     made = computed(expected.recipe, wanted, tuple(rows))[1]
-    return {name: content for name, content in made.items() if _format(name, expected) in REPORTS}
+    return {name: content for name, content in made.items() if format_of(name) in REPORTS}
 
 
 def _as_certified(folder: Path, file: FileReport, certified: bytes | None) -> FileReport:
@@ -427,7 +427,7 @@ MOST_BYTES = (4, 500_000)
 
 def _report(path: Path, expected: Expected) -> FileReport:
     name = path.name
-    kind = NAME if name == NAME else "recipe" if name.endswith(FOUND) else _format(name, expected)
+    kind = NAME if name == NAME else "recipe" if name.endswith(FOUND) else format_in(expected.recipe.name, name)
     file = partial(FileReport, name, "summary" if kind == NAME else kind)
     wanted = expected.contents.get(name)
     try:
@@ -450,11 +450,6 @@ def _report(path: Path, expected: Expected) -> FileReport:
         return _measured_report(path, expected, file, apart, difference(content, wanted, kind, measured=True))
     except (UnreadableError, OSError, GeomkinError) as error:
         return file(problems=(Sentence(str(error), harmless),))
-
-
-def _format(name: str, expected: Expected) -> str:
-    stem = expected.recipe.name
-    return format_of("x" + name.removeprefix(stem) if stem else name)
 
 
 def _measured_report(
