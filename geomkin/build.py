@@ -16,7 +16,7 @@ from .core.names import PathName, file_name_flaw
 from .core.records import record
 from .core.units import UNITS
 from .export.cut import LayerStyles
-from .export.formats import WRITERS, format_of, tail_of
+from .export.formats import WRITERS, format_in, format_of, tail_of
 from .export.job import Job, StaticSource
 from .export.summary import CERTIFICATE, FOUND, NAME, Stamp, listed_files, recipe_hash, remove, summary, write_whole
 from .model.check import Check
@@ -143,9 +143,9 @@ def make(
     out : str or Path
         The folder above that of the recipe.
     only : sequence of str, optional
-        Formats to write, out of those that the recipe names, or out of all formats if it names none. By default all
-        formats of the recipe are written (the default formats of its kind if it names none), and files that an earlier
-        run wrote and the recipe no longer has are removed.
+        Formats to write, out of those that the recipe names, or out of all formats if it names none; files of its other
+        formats stay. By default all formats of the recipe are written (the default formats of its kind if it names
+        none). Either way files that an earlier run wrote and the recipe no longer has are removed.
     strict : bool, optional
         Whether failed checks raise an error after the files are written, except those in `expected_failures`.
 
@@ -167,11 +167,11 @@ def make(
     --------
     load, verify, index, write, show
     """
-    made, contents = computed(recipe, only)
+    made, contents = computed(recipe, only, out=Path(out))
     folder = Path(out) / made.name
-    before = listed_files(folder) if only is None else set()
+    before = listed_files(folder)
     write_whole(folder, contents)
-    for path in (*sorted(before - set(contents)), *CERTIFICATE):
+    for path in (*sorted(before - listed_files(folder)), *CERTIFICATE):
         remove(folder / path)
     made = dataclasses.replace(made, files={folder / path: len(content) for path, content in contents.items()})
     if strict and made.failed_checks:
@@ -205,10 +205,12 @@ def computed(
     recipe: AbstractRecipe | Readable,
     only: Sequence[Format] | None = None,
     certificate: tuple[tuple[str, ...], ...] = (),
+    out: Path | None = None,
 ) -> tuple[Made, Mapping[str, bytes]]:
     """The results of a recipe, and the contents of its files by name, of these formats or of those that it names.
 
-    certificate: rows of the results of verifying the files, for the report.
+    certificate: rows of the results of verifying the files, for the report. out: the folder above that of the recipe;
+    with `only`, the summary lists the files of its other formats that are there too.
     """
     file, recipe = _with_file(recipe)
     offered = WRITERS if only and recipe.files.wants_all else recipe.files.write
@@ -229,9 +231,20 @@ def computed(
         if isinstance(recipe, AbstractGoal):
             found_recipe = dataclasses.replace(recipe.design, units=recipe.units, printing=recipe.printing)
             found_file[f"{name}{FOUND}"] = to_toml(found_recipe).encode()
-        contents |= {**found_file, NAME: summary(job, _data(recipe), checks, _notes(recipe), written, list(found_file))}
+        others = _kept(out / name, name, {*offered} - {*wanted}) if only and out else {}
+        listed: dict[str, Collection[str]] = {**written, **others}
+        contents |= {**found_file, NAME: summary(job, _data(recipe), checks, _notes(recipe), listed, list(found_file))}
         facts, remarks = _facts(results), results.remarks
     return Made(name, recipe.kind, checks, {}, facts, remarks), contents
+
+
+def _kept(folder: Path, name: str, formats: Collection[str]) -> dict[str, list[str]]:
+    """The files of these formats, by format, that an earlier run listed and that are still there."""
+    kept: dict[str, list[str]] = {}
+    for file in listed_files(folder):
+        if (one := format_in(name, file)) in formats and (folder / file).is_file():
+            kept.setdefault(one, []).append(file)
+    return kept
 
 
 def _facts(results: ShownRecipe) -> tuple[str, ...]:

@@ -94,6 +94,13 @@ def tail_of(name: str) -> str:
     return WRITERS[name].tail or f".{name}"
 
 
+def format_in(name: str, file: str) -> str:
+    """The format of a file of the recipe of this name, to which the pictures of its report belong; "" for none."""
+    rest = file.removeprefix(name)
+    is_picture = rest.startswith("-report-") and rest.endswith(".svg") and not rest.endswith(tail_of("plots"))
+    return "report-md" if is_picture else format_of(f"x{rest}")
+
+
 def format_of(file: str, needs: Collection[str] = ("parts", "table", "scene")) -> str:
     """The format with the longest ending that a file name has, among those that need one of `needs`; "" for none."""
     ends = {name: tail_of(name) for name in WRITERS if WRITERS[name].needs in needs}

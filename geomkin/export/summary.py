@@ -159,13 +159,13 @@ def summary(
     `recipe` is the data of the recipe file, `notes` are further entries, `written` lists names of files by format,
     `further_files` other files.
     """
-    files = sorted([*(name for names in written.values() for name in names), *further_files])
-    sizes = _as_written(job, written)
+    files = sorted({*(name for names in written.values() for name in names), *further_files})
+    parts = [_part(part) | _wall(job, part) | sizes for part, sizes in zip(job.source.parts, _as_written(job, written))]
     entries = {
         "name": job.name,
         "recipe": recipe,
         "checks": [check.to_dict() for check in checks],
-        "parts": job.unit.entries([_part(part) | _wall(job, part) | sizes.get(part, {}) for part in job.source.parts]),
+        "parts": job.unit.entries(parts),
         **job.unit.entries(_sheets(job, written)),
         **notes,
         "files": files,
@@ -236,17 +236,17 @@ def _sheets(job: Job, written: Collection[str]) -> dict[str, object]:
     return {"sheets": list(sizes)}
 
 
-def _as_written(job: Job, written: Mapping[str, Collection[str]]) -> dict[Part, dict[str, float]]:
-    """Sizes of the parts as written, which differ from the exact ones by the tolerance.
+def _as_written(job: Job, written: Mapping[str, Collection[str]]) -> list[dict[str, float]]:
+    """Sizes of each part as written, which differ from the exact ones by the tolerance.
 
     The area is inside the path of the beam, half a kerf off the part, as in DXF and SVG; the volume is that of the STL.
     """
-    sizes: dict[Part, dict[str, float]] = {}
+    sizes: list[dict[str, float]] = [{} for _ in job.source.parts]
     if any(WRITERS[ending].flat for ending in written):
-        sizes = {cut.part: {"written_area_mm2": to_digits(cut.area, 10)} for cut in job.flats}
+        sizes = [{"written_area_mm2": to_digits(cut.area, 10)} for cut in job.flats]
     if any(WRITERS[ending].needs == "parts" and not WRITERS[ending].flat for ending in written):
-        for cut in job.solids:
-            sizes[cut.part] = sizes.get(cut.part, {}) | {"written_volume_mm3": to_digits(solid_volume(cut), 10)}
+        solids = ({"written_volume_mm3": to_digits(solid_volume(cut), 10)} for cut in job.solids)
+        sizes = [one | other for one, other in zip(sizes, solids)]
     return sizes
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -17,7 +18,7 @@ from ..core.processes import report
 from ..core.records import record
 from ..core.units import MM, UNITS, LengthUnit, Sentence, bare_mm, marked, mm, sentences
 from ..export.cut import LayerStyles
-from ..export.formats import format_of
+from ..export.formats import format_in, format_of
 from ..export.summary import CERTIFICATE, FOUND, LAYOUT, NAME, Stamp, read_summary, recipe_hash
 from ..model.machinability import beam_checks, relieved
 from ..recipe.load import from_table
@@ -246,7 +247,7 @@ def _certificate(folder: Path) -> Certificate:
     listed = {str(name) for name in names[:MOST_FILES] if not file_name_flaw(str(name))}
     try:
         recipe = _recipe(folder, summary, data)
-        formats = {format_of("x" + file.removeprefix(name)) for file in listed if not file.endswith(FOUND)}
+        formats = {format_in(name, file) for file in listed if not file.endswith(FOUND)}
         expected = Expected(recipe, computed(recipe, sorted(formats) or None)[1], hashed)
     except GeomkinError as error:
         problem = f"the recipe in {NAME} cannot be made again: {harmless(error)}"
@@ -284,16 +285,23 @@ def _certified_reports(
         if not file.file.startswith(f"{expected.recipe.name}-report"):
             rows.append((file.file, file.proof, deviation, verdict))
     made = computed(expected.recipe, wanted, tuple(rows))[1]
-    return {name: content for name, content in made.items() if _format(name, expected) in REPORTS}
+    return {name: content for name, content in made.items() if format_of(name) in REPORTS}
 
 
 def _as_certified(folder: Path, file: FileReport, certified: bytes | None) -> FileReport:
-    """A report that has the results already is made again too."""
+    """A report that has the results already is made again too; one that has others is named as such."""
     path = folder / file.file
-    if certified is None or file.passed or path.is_symlink() or not path.is_file():
+    is_read = not path.is_symlink() and path.is_file() and path.stat().st_size <= LARGEST
+    if certified is None or file.passed or not is_read:
         return file
-    same = path.stat().st_size == len(certified) and path.read_bytes() == certified
-    return FileReport(file.file, file.format, "made again") if same else file
+    content = path.read_bytes()
+    apart = difference(content, certified, file.format)
+    if apart is None or not apart.problems:
+        return FileReport(file.file, file.format, "made again", apart.note if apart else "")
+    rest = difference(VERDICT.sub(b"", content), VERDICT.sub(b"", certified), file.format)
+    is_earlier = file.format == "report-md" and (rest is None or not rest.problems)
+    problem = "it states the results of another verification: make the files again"
+    return FileReport(file.file, file.format, problems=(problem,)) if is_earlier else file
 
 
 def _recipe(folder: Path, summary: Mapping[str, object], data: Mapping[str, object]) -> AbstractRecipe:
@@ -409,6 +417,8 @@ def _threemf(path: Path, expected: Expected) -> Content:
 READERS: Mapping[str, Callable[[Path, Expected], Content]] = {"dxf": _dxf, "svg": _svg, "stl": _stl, "3mf": _threemf}
 # Formats with the results of the certificate.
 REPORTS: tuple[Format, ...] = ("report", "report-md")
+# A row of the results in a report.
+VERDICT = re.compile(rb"^\|.*\| (?:NOT )?as designed \|\r?\n", re.MULTILINE)
 # Formats that a beam cuts.
 CUT = ("dxf", "svg")
 # Largest size of a file in sizes of the one made again, and the bytes that are added to it: more would take minutes.
@@ -417,12 +427,13 @@ MOST_BYTES = (4, 500_000)
 
 def _report(path: Path, expected: Expected) -> FileReport:
     name = path.name
-    kind = NAME if name == NAME else "recipe" if name.endswith(FOUND) else _format(name, expected)
+    kind = NAME if name == NAME else "recipe" if name.endswith(FOUND) else format_in(expected.recipe.name, name)
     file = partial(FileReport, name, "summary" if kind == NAME else kind)
     wanted = expected.contents.get(name)
     try:
         if path.is_symlink() or not path.is_file():
-            return file(problems=("it is missing",))
+            what = "a link" if path.is_symlink() else "a folder" if path.is_dir() else ""
+            return file(problems=(f"it is {what}, not a file" if what else "it is missing",))
         if wanted is None:
             return file(problems=("the recipe does not make it",))
         most = min(LARGEST, MOST_BYTES[0] * len(wanted) + MOST_BYTES[1])
@@ -439,11 +450,6 @@ def _report(path: Path, expected: Expected) -> FileReport:
         return _measured_report(path, expected, file, apart, difference(content, wanted, kind, measured=True))
     except (UnreadableError, OSError, GeomkinError) as error:
         return file(problems=(Sentence(str(error), harmless),))
-
-
-def _format(name: str, expected: Expected) -> str:
-    stem = expected.recipe.name
-    return format_of("x" + name.removeprefix(stem) if stem else name)
 
 
 def _measured_report(

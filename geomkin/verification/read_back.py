@@ -75,6 +75,9 @@ def _wrong_extents(document: Any, lines: Sequence[Line], error: float, unit: flo
     if not len(cut):
         return ["it has no lines"]
     low, high = (unit * _point(document.header.get(name, (np.nan, np.nan))) for name in ("$EXTMIN", "$EXTMAX"))
+    if low.real > high.real:
+        # The library's value for extents that no program has set.
+        return []
     found = np.array([cut.real.min(), cut.imag.min(), cut.real.max(), cut.imag.max()])
     stated = np.array([low.real, low.imag, high.real, high.imag])
     far = not np.all(np.abs(found - stated) <= 2 * error + 1e-6)
@@ -184,7 +187,8 @@ def read_stl(path: Path) -> tuple[list[Mesh], list[str], str]:
     stated = np.ascontiguousarray(rows[:, :12]).view("<f4").astype(float)
     sizes = np.sqrt(np.vecdot(normals, normals))
     wrong = int((np.abs(stated * sizes[:, None] - normals) > NORMAL * sizes[:, None]).any(axis=1).sum())
-    problems = [f"{wrong} normals are not those of their triangles"] if wrong else []
+    is_binary = len(content) == 84 + 50 * len(normals)
+    problems = [f"{wrong} normals are not those of their triangles"] if wrong and is_binary else []
     corners, faces = merged(triangles)
     return [Mesh(path.stem, corners, faces)], problems, content[:80].rstrip(b"\0").decode("ascii", "replace")
 

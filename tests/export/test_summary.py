@@ -46,6 +46,17 @@ def test_summary_has_written_and_exact_sizes(tmp_path, curves):
         assert part["written_area_mm2"] - part["area_mm2"] > 0.2 * around
 
 
+def test_sizes_of_relieved_parts_are_those_of_the_drawing(tmp_path):
+    gear = {"gear": {"teeth": 8, "module": 4}, "stock": {"bore": 10, "bore_form": "keyed"}}
+    files = {"write": ["dxf", "stl"], "cutter": 2.0, "labels": False, "tolerance": 0.05}
+    gk.make(gk.load({"kind": "spur-gear", "files": files, **gear}).with_name("hub"), tmp_path)
+    (part,) = json.loads((tmp_path / "hub/summary.json").read_text())["parts"]
+    lines = [line.vertices_in_wcs() for line in ezdxf.readfile(tmp_path / "hub/hub.dxf").modelspace()]
+    hole, outline = sorted(shapely.Polygon([(p.x, p.y) for p in line]).area for line in lines)
+    assert part["written_area_mm2"] == pytest.approx(outline - hole, rel=1e-9)
+    assert part["area_mm2"] - part["written_area_mm2"] > 0.5 and "written_volume_mm3" in part
+
+
 def test_parts_are_reported_with_exact_and_written_sizes():
     disc = gk.Part("scheibe ä", gk.plane.Circle(5j, 10.0), (gk.plane.Circle(5j, 2.0),), 2.5, count=3)
     bar = gk.Part("bar", gk.plane.Polyline(np.array([0, 20, 20 + 6j, 6j])), (), 4.0)

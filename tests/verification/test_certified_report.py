@@ -46,3 +46,10 @@ def test_a_report_that_was_changed_is_a_problem_and_is_left_as_it_is(folder):
     (folder / "disk-report.md").write_text(changed)
     assert not certify(folder).passed
     assert (folder / "disk-report.md").read_text() == changed
+
+
+def test_a_changed_picture_of_a_report_is_compared_as_a_text(folder):
+    path = folder / "disk-report-drawing.svg"
+    path.write_text(path.read_text().replace("stroke", "strike", 1))
+    (file,) = [file for file in gk.verify(folder)[0].files if not file.passed]
+    assert (file.file, file.format, len(file.problems)) == (path.name, "report-md", 1)
