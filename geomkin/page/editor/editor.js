@@ -105,7 +105,8 @@ class Editor {
     at("tools").hidden = !isShown;
     at("build").setAttribute("aria-pressed", isShown);
     document.body.classList.toggle("building", isShown);
-    if (!isShown) this.tools.choose("move");
+    // A tool that was chosen while they were hidden works from now on.
+    if (isShown) this.tools.setActive(); else this.tools.choose("move");
     if (!this.player) return;
     this.fold("plots", isShown);
     this.makeRoom();
