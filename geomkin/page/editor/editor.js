@@ -43,8 +43,8 @@ class Editor {
     const acts = {
       gallery: () => showGallery(this, "open"), new: () => showGallery(this, "new"), join: () => showGallery(this, "join"), save: () => this.save(), "save-as": () => this.saveAs(),
       undo: () => this.travel("undo"), redo: () => this.travel("redo"), make: () => this.make(), stop: () => this.stop(),
-      "share-link": () => this.copy(linkOf(this.text, location.origin), "The link is copied; it holds the whole recipe"),
-      "share-zip": () => this.zip(), "share-python": () => this.copy(python(this.text), "The recipe as Python is copied"),
+      "share-link": () => this.copy((text) => linkOf(text, location.origin), "The link is copied; it holds the whole recipe"),
+      "share-zip": () => this.zip(), "share-python": () => this.copy(python, "The recipe as Python is copied"),
     };
     for (const [id, act] of Object.entries(acts)) at(id).addEventListener("click", act);
     for (const button of document.querySelectorAll("[data-panel]")) button.addEventListener("click", () => this.fold(button.dataset.panel));
@@ -126,6 +126,7 @@ class Editor {
     this.load(opened.text, recipe, opened.base);
     const [draft] = draftsOf(this.folder).filter((other) => other.recipe === recipe);
     if (!draft) return;
+    this.offered = draft.id;
     this.choose(`Changes of ${recipe} that were not saved are kept.`, {
       "Continue with them": () => this.restore(draft),
       "Discard them": () => forget(draft.id),
@@ -217,7 +218,8 @@ class Editor {
     for (const scrolled of [at("form"), document.querySelector("aside")]) scrolled.scrollTop = 0;
     this.tools.own.photo.remove();
     this.tools.own.pose.forget();
-    for (const id of ["conflict", "candidates", "known"]) at(id).hidden = true;
+    if (this.player) this.player.filming = false;
+    for (const id of ["conflict", "candidates", "known", "files-part"]) at(id).hidden = true;
     this.askAnew();
   }
 
@@ -225,7 +227,7 @@ class Editor {
   askAnew() {
     clearTimeout(this.resting);
     this.pane.forget();
-    Object.assign(this, { waiting: [], texts: this.texts + 1, typing: "", dragged: null, pendingDrag: null });
+    Object.assign(this, { waiting: [], texts: this.texts + 1, typing: "", dragged: null, pendingDrag: null, isUndoing: false });
     this.ask({});
   }
 
@@ -268,15 +270,15 @@ class Editor {
   // Follows a stroke: first by known linkages, of which a click takes one, then by a search.
   async drawPath(points) {
     this.close();
-    const turn = this.strokes = (this.strokes ?? 0) + 1;
+    const turn = this.strokes = (this.strokes ?? 0) + 1, { texts } = this, isLate = () => turn !== this.strokes || texts !== this.texts;
     this.announce("Looking for known linkages");
     try {
       const known = await this.known(points);
-      if (turn !== this.strokes) return;
+      if (isLate()) return;
       this.showKnown(known);
-    } catch (error) { this.fail(error); return; }
+    } catch (error) { if (!isLate()) this.fail(error); return; }
     this.replaceBy({ draw: { points } });
-    this.whenIdle(() => this.announce(""));
+    this.whenIdle(() => this.announce(""), "draw");
   }
 
   // Puts a mechanism of the gallery, source, on the shaft that is clicked.
@@ -383,9 +385,14 @@ class Editor {
 
   relock() { this.ask({}); }
 
+  // A search that runs is stopped by undo, and counts as undone if that leaves the text as it was before it.
   travel(direction) {
     this.close();
+    this.isUndoing = direction === "undo" && this.busy;
     this.whenIdle(() => {
+      const { isUndone } = this;
+      Object.assign(this, { isUndoing: false, isUndone: false });
+      if (isUndone) { this.announce("Undone"); return; }
       const text = this.history[direction](this.text);
       if (text === null) return;
       this.text = text;
@@ -432,8 +439,9 @@ class Editor {
     try {
       let reply = await this.answer({ text: from(), ...change, lane: "scene" });
       // A search that takes long is a job.
-      if (reply.job) reply = (await this.follow(reply.job, () => texts !== this.texts || this.followerOf(asked))).result;
+      if (reply.job) reply = (await this.follow(reply.job, () => texts !== this.texts || this.isUndoing || this.followerOf(asked))).result;
       if (texts !== this.texts) return;
+      this.isUndone = this.isUndoing && !reply && this.history.begun === this.text;
       const follower = this.followerOf(asked);
       if (reply) await this.show(reply, change.set ?? {});
       else if (follower) follower.change = bothOf(change, follower.change);
@@ -458,7 +466,7 @@ class Editor {
       let reply = await this.answer({ text, lane: "checks" });
       if (reply.job) reply = (await finished(reply.job, () => {})).result;
       if (reply && text === this.text && !this.busy) this.showChecks(reply);
-    } catch (error) { this.fail(error); }
+    } catch (error) { if (text === this.text) this.fail(error); }
   }
 
   fail(error) {
@@ -637,7 +645,7 @@ class Editor {
   showState() {
     at("name").textContent = this.recipe || `new ${this.title || this.kind}`;
     at("dirty").hidden = !this.isDirty;
-    if (this.isDirty && this.text !== this.firstText) keep({ id: this.draft, folder: this.folder, recipe: this.recipe, kind: this.kind, title: this.title, text: this.text, base: this.base });
+    if (this.isDirty && this.text !== this.firstText) keep({ id: this.draft, folder: this.folder, recipe: this.recipe, kind: this.kind, title: this.title, text: this.text, base: this.base }, this.offered);
     else forget(this.draft);
     document.title = `${this.isDirty ? "• " : ""}${this.suggested || "geomkin"} – studio`;
   }
@@ -656,14 +664,22 @@ class Editor {
 
   // --- files --------------------------------------------------------------------------------------------------------
 
-  async save(name = this.recipe, base = this.base) {
+  // Waits until all that was typed is answered; for ever if another recipe is loaded before that.
+  async settled() {
     this.close();
+    await new Promise((resolve) => { this.whenIdle(resolve); });
+  }
+
+  // Whether there are values that were refused.
+  get isWrong() { return this.problems.length > 0 || document.querySelector("#form [aria-invalid]") !== null; }
+
+  async save(name = this.recipe, base = this.base) {
+    await this.settled();
     if (!name) { await this.saveAs(); return; }
-    if (this.problems.length) { this.announce("Not saved: correct the marked values first, or undo"); return; }
+    if (this.isWrong) { this.announce("Not saved: correct the marked values first, or undo"); return; }
     const { text, draft } = this;
     try {
       const saved = await post("save", { recipe: name, text, base });
-      // The recipe that is open by now is another one.
       if (draft !== this.draft) return;
       Object.assign(this, { recipe: name, base: saved.base, seen: saved.base, savedText: text });
       remember(this.folder, name);
@@ -672,20 +688,25 @@ class Editor {
       this.showState();
       this.announce(`Saved ${name}.toml`);
     } catch (error) {
-      if (error.status === 409) this.showConflict(`${name}.toml is not the file that was opened: it was changed or exists already.`, name);
+      // The recipe that is open by now is another one.
+      if (draft !== this.draft) { this.announce(`${name}.toml was not saved: ${error.message}`); if (!error.problems) throw error; }
+      else if (error.status === 409) this.showConflict(`${name}.toml is not the file that was opened: it was changed or exists already.`, name);
       else { this.announce(`Not saved: ${error.message}`); if (!error.problems) throw error; }
     }
   }
 
   async saveAs() {
-    const name = await chooseName(this.suggested);
-    if (name) await this.save(name, name === this.recipe ? this.base : "");
+    const { draft } = this, name = await chooseName(this.suggested);
+    if (name && draft === this.draft) await this.save(name, name === this.recipe ? this.base : "");
   }
 
   // Asks the user which version of a file to keep.
   showConflict(reason, name) {
     this.choose(reason, {
-      "Overwrite the file": async () => { const { base } = await post("open", { recipe: name }); await this.save(name, base); },
+      "Overwrite the file": async () => {
+        const { draft } = this, { base } = await post("open", { recipe: name });
+        if (draft === this.draft) await this.save(name, base);
+      },
       "Load the file": () => this.loadFile(name),
       "Save under another name": () => this.saveAs(),
     });
@@ -705,7 +726,8 @@ class Editor {
 
   // Replaces the edited text by that of the file. Undo restores the edited text.
   async loadFile(name) {
-    const { text, base } = await post("open", { recipe: name }), before = this.text;
+    const { draft } = this, { text, base } = await post("open", { recipe: name }), before = this.text;
+    if (draft !== this.draft) return;
     this.history.begin(before);
     Object.assign(this, { recipe: name, base, seen: base, text, savedText: text });
     this.history.end(text);
@@ -725,7 +747,7 @@ class Editor {
         this.seen = now;
         if (!now) { this.announce(`${recipe}.toml was deleted; Save writes it again`); this.savedText = ""; this.showState(); continue; }
         if (this.isDirty) this.showConflict(`${recipe}.toml was changed by another program.`, recipe);
-        else { await this.loadFile(recipe); this.announce(`${recipe}.toml was changed by another program and is shown anew`); }
+        else { await this.loadFile(recipe); if (recipe === this.recipe) this.announce(`${recipe}.toml was changed by another program and is shown anew`); }
       } catch (error) {
         if (!error.problems) throw error;
         this.isGone = error.status === 0;
@@ -735,10 +757,13 @@ class Editor {
   }
 
   async make() {
-    if (this.problems.length) { this.announce("No files made: correct the marked values first"); return; }
+    await this.settled();
+    if (this.isWrong) { this.announce("No files made: correct the marked values first"); return; }
+    const { draft } = this;
     try {
       const { job } = await post("make", { text: this.text, recipe: this.suggested });
       const { state, result } = await this.follow(job);
+      if (draft !== this.draft) return;
       if (state === "stopped" || !result) { this.announce("Stopped"); return; }
       if (result.problems.length) { this.showProblems(result.problems); return; }
       at("files-part").hidden = false;
@@ -752,7 +777,7 @@ class Editor {
       this.announce(`${result.files.length} files made`);
       at("files-part").scrollIntoView({ block: "nearest" });
       return result.files;
-    } catch (error) { this.fail(error); }
+    } catch (error) { if (draft === this.draft) this.fail(error); }
   }
 
   // Makes the files and saves them as one zip.
@@ -763,8 +788,10 @@ class Editor {
     make(document.body, "a", { href: `zip/${name}`, download: `${decodeURIComponent(name)}.zip`, hidden: "" }).click();
   }
 
-  async copy(text, said) {
-    try { await navigator.clipboard.writeText(text); this.announce(said); } catch { this.announce("The browser does not let this page copy"); }
+  // written(text): what is copied of a recipe's text.
+  async copy(written, said) {
+    await this.settled();
+    try { await navigator.clipboard.writeText(written(this.text)); this.announce(said); } catch { this.announce("The browser does not let this page copy"); }
     at("share").open = false;
   }
 
