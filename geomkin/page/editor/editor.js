@@ -227,7 +227,7 @@ class Editor {
   askAnew() {
     clearTimeout(this.resting);
     this.pane.forget();
-    Object.assign(this, { waiting: [], texts: this.texts + 1, typing: "", dragged: null, pendingDrag: null, isUndoing: false });
+    Object.assign(this, { waiting: [], texts: this.texts + 1, typing: "", dragged: null, pendingDrag: null, isUndoing: false, isUndone: false });
     this.ask({});
   }
 
@@ -247,7 +247,7 @@ class Editor {
   }
 
   // Takes a text that was typed, and calls done() when it is answered.
-  type(text, done) { this.step({}, { from: () => text, stream: "text", done }); }
+  type(text, done) { this.step({}, { from: () => text, stream: "#text", done }); }
 
   // Adds a table or the next item of a list; the server chooses values with which the recipe is valid.
   add(key) {
@@ -278,7 +278,7 @@ class Editor {
       this.showKnown(known);
     } catch (error) { if (!isLate()) this.fail(error); return; }
     this.replaceBy({ draw: { points } });
-    this.whenIdle(() => this.announce(""), "draw");
+    this.whenIdle(() => this.announce(""), "#draw");
   }
 
   // Puts a mechanism of the gallery, source, on the shaft that is clicked.
@@ -288,7 +288,7 @@ class Editor {
 
   // Makes a change that may lead to another kind of recipe.
   replaceBy(change, text) {
-    this.step(change, { from: text && (() => text), stream: text ? "text" : change.draw && "draw", done: () => this.makeRoom() });
+    this.step(change, { from: text && (() => text), stream: text ? "#text" : change.draw && "#draw", done: () => this.makeRoom() });
   }
 
   showKnown(known) {
@@ -388,7 +388,7 @@ class Editor {
   // A search that runs is stopped by undo, and counts as undone if that leaves the text as it was before it.
   travel(direction) {
     this.close();
-    this.isUndoing = direction === "undo" && this.busy;
+    if (direction === "undo") this.isUndoing = this.busy;
     this.whenIdle(() => {
       const { isUndone } = this;
       Object.assign(this, { isUndoing: false, isUndone: false });
@@ -452,7 +452,7 @@ class Editor {
   // The next request, if it stops the search of another one: of the same stream, one more change of values, or another text.
   followerOf({ change, stream }) {
     const next = this.waiting.find((other) => other.change || !other.stream);
-    return next?.change && ([stream, "text"].includes(next.stream) || (next.change.set && change.set)) ? next : null;
+    return next?.change && ([stream, "#text"].includes(next.stream) || (next.change.set && change.set)) ? next : null;
   }
 
   showBusy() { document.body.classList.toggle("solving", Boolean(this.busy || this.isOpening)); }
@@ -673,8 +673,9 @@ class Editor {
   // Whether there are values that were refused.
   get isWrong() { return this.problems.length > 0 || document.querySelector("#form [aria-invalid]") !== null; }
 
-  async save(name = this.recipe, base = this.base) {
+  async save(wanted, mark) {
     await this.settled();
+    const name = wanted ?? this.recipe, base = mark ?? this.base;
     if (!name) { await this.saveAs(); return; }
     if (this.isWrong) { this.announce("Not saved: correct the marked values first, or undo"); return; }
     const { text, draft } = this;
