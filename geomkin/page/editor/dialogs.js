@@ -5,6 +5,8 @@ import { get, post } from "./server.js";
 
 const at = (id) => document.getElementById(id);
 const TITLES = { start: "Open a recipe", open: "Open a recipe", new: "Start a new recipe", join: "Join a mechanism to a shaft" };
+// Counts how often the gallery was asked for: of its lists only those of the last time are shown.
+let turn = 0;
 const isStill = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 // Returns a function that loads an image when it comes into view. Only one is loaded at a time, because the server draws it.
@@ -36,8 +38,9 @@ function loader(root) {
 // shown one, `editor.joinTo({ recipe })` or `editor.joinTo({ kind })`.
 // what: "start", "open", "new" or "join"; said: why it is shown.
 export async function showGallery(editor, what, said = "") {
-  const isJoined = what === "join", isNew = what === "new", dialog = at("gallery-dialog"), load = loader(dialog);
+  const isJoined = what === "join", isNew = what === "new", dialog = at("gallery-dialog"), load = loader(dialog), mine = ++turn;
   const fitting = ({ joins }) => !isJoined || joins, { kinds: allKinds, recipes } = await get("gallery"), kinds = allKinds.filter(fitting);
+  if (mine !== turn || document.querySelector("dialog[open]:not(#gallery-dialog)")) return;
   const card = (list, picture, name, about, words, act) => {
     const button = make(make(list, "li", { "data-words": `${name} ${words} ${about}` }), "button", { type: "button", class: "card" });
     if (picture) addPicture(button, picture, load);
@@ -85,6 +88,7 @@ export async function showGallery(editor, what, said = "") {
   // A finger would be met by a keyboard.
   (matchMedia("(pointer: coarse)").matches ? at("gallery-title") : search).focus();
   const { examples } = await get("examples");
+  if (mine !== turn) return;
   at("examples").replaceChildren();
   for (const { name, kind, title, words } of examples.filter(fitting)) card(at("examples"), `picture?example=${encodeURIComponent(name)}`, name, title, `${kind} ${words}`, () => (isJoined ? editor.joinTo({ example: name }) : editor.startNew(kind, name)));
   find();
@@ -116,10 +120,11 @@ function kept([key, most], change = (all) => all) {
 export const draftsOf = (folder) => kept(DRAFTS).filter((draft) => draft.folder === folder);
 export const forget = (id) => kept(DRAFTS, (all) => all.filter((draft) => draft.id !== id));
 
-// Keeps a draft: one for a recipe with a file, and one for a text, however often a link with it is opened.
-export function keep(draft) {
+// Keeps a draft: one for a recipe with a file, besides the one whose id is offered, and one for a text, however often a link with
+// it is opened.
+export function keep(draft, offered) {
   const isSame = ({ id, folder, recipe, text }) => id === draft.id || (folder === draft.folder && recipe === draft.recipe && (recipe !== "" || text === draft.text));
-  kept(DRAFTS, (all) => [draft, ...all.filter((other) => !isSame(other))]);
+  kept(DRAFTS, (all) => [draft, ...all.filter((other) => other.id === offered || !isSame(other))]);
 }
 
 // Remembers that a recipe of a folder was opened.

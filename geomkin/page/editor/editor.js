@@ -25,6 +25,8 @@ const ROOM = 0.3;
 // Largest time between presses of arrow keys on one handle that form one step of undo, ms.
 const ONE_STEP = 1000;
 const at = (id) => document.getElementById(id);
+// Two changes in one; of the same kind the second one replaces the first, except that all values stay that only one of them sets.
+const bothOf = (first, second) => (first.set && second.set ? { set: { ...first.set, ...second.set } } : second);
 // A key as the headings of the form have it.
 const inWords = (key) => spaced(key.replace(/\[(\d+)\]/g, (_, k) => ` ${+k + 1}`)).replaceAll(".", " ");
 
@@ -33,7 +35,7 @@ class Editor {
     // text: the recipe's text. recipe, base: name of its file, and the mark of the file's content when it was read or written.
     // savedText, saved, savedScene: text, values by key and scene of the saved recipe.
     Object.assign(this, { text: "", recipe: "", base: "", savedText: "", saved: {}, savedScene: null, locks: new Set() });
-    Object.assign(this, { kind: "", values: {}, busy: false, queued: null, typing: "", target: null, problems: [], checked: [] });
+    Object.assign(this, { kind: "", values: {}, busy: false, waiting: [], texts: 0, typing: "", target: null, problems: [], checked: [] });
     this.history = new History((undo, redo) => { at("undo").disabled = !undo; at("redo").disabled = !redo; });
     this.form = new Form(at("form"), this);
     this.pane = new TextPane(at("text"), this);
@@ -41,8 +43,8 @@ class Editor {
     const acts = {
       gallery: () => showGallery(this, "open"), new: () => showGallery(this, "new"), join: () => showGallery(this, "join"), save: () => this.save(), "save-as": () => this.saveAs(),
       undo: () => this.travel("undo"), redo: () => this.travel("redo"), make: () => this.make(), stop: () => this.stop(),
-      "share-link": () => this.copy(linkOf(this.text, location.origin), "The link is copied; it holds the whole recipe"),
-      "share-zip": () => this.zip(), "share-python": () => this.copy(python(this.text), "The recipe as Python is copied"),
+      "share-link": () => this.copy((text) => linkOf(text, location.origin), "The link is copied; it holds the whole recipe"),
+      "share-zip": () => this.zip(), "share-python": () => this.copy(python, "The recipe as Python is copied"),
     };
     for (const [id, act] of Object.entries(acts)) at(id).addEventListener("click", act);
     for (const button of document.querySelectorAll("[data-panel]")) button.addEventListener("click", () => this.fold(button.dataset.panel));
@@ -73,11 +75,7 @@ class Editor {
     if (!this.loadShared()) {
       if (first) await this.open(first); else if (text) this.load(text, "", ""); else await showGallery(this, "start");
     }
-    if (first && text && this.recipe === first && text !== this.text) {
-      this.history.begin(this.text);
-      this.ask({}, text);
-      this.whenIdle(() => this.history.end(this.text));
-    }
+    if (first && text && this.recipe === first && text !== this.text) this.step({}, { from: () => text });
     this.whenIdle(() => this.announce(""));
     this.watch();
   }
@@ -105,7 +103,8 @@ class Editor {
     at("tools").hidden = !isShown;
     at("build").setAttribute("aria-pressed", isShown);
     document.body.classList.toggle("building", isShown);
-    if (!isShown) this.tools.choose("move");
+    // A tool that was chosen while they were hidden works from now on.
+    if (isShown) this.tools.setActive(); else this.tools.choose("move");
     if (!this.player) return;
     this.fold("plots", isShown);
     this.makeRoom();
@@ -127,6 +126,7 @@ class Editor {
     this.load(opened.text, recipe, opened.base);
     const [draft] = draftsOf(this.folder).filter((other) => other.recipe === recipe);
     if (!draft) return;
+    this.offered = draft.id;
     this.choose(`Changes of ${recipe} that were not saved are kept.`, {
       "Continue with them": () => this.restore(draft),
       "Discard them": () => forget(draft.id),
@@ -136,12 +136,8 @@ class Editor {
   // Continues with a text that was not saved; undo restores that of the file.
   restore({ id, text, recipe, base, title }) {
     if (!recipe) { this.load(text, "", "", title); forget(id); return; }
-    this.whenIdle(() => {
-      this.history.begin(this.text);
-      this.base = base;
-      this.ask({}, text);
-      this.whenIdle(() => { this.history.end(this.text); forget(id); });
-    });
+    this.whenIdle(() => { this.base = base; });
+    this.step({}, { from: () => text, done: () => forget(id) });
   }
 
   // Starts with the template of a kind, or with a recipe of the gallery.
@@ -222,59 +218,51 @@ class Editor {
     for (const scrolled of [at("form"), document.querySelector("aside")]) scrolled.scrollTop = 0;
     this.tools.own.photo.remove();
     this.tools.own.pose.forget();
-    for (const id of ["conflict", "candidates", "known"]) at(id).hidden = true;
+    if (this.player) this.player.filming = false;
+    for (const id of ["conflict", "candidates", "known", "files-part"]) at(id).hidden = true;
     this.askAnew();
   }
 
   // Asks for a text that replaces the last one; changes and answers of that one no longer count.
   askAnew() {
-    this.queued = null;
-    this.texts = (this.texts ?? 0) + 1;
-    this.ask({}, this.text);
+    clearTimeout(this.resting);
+    this.pane.forget();
+    Object.assign(this, { waiting: [], texts: this.texts + 1, typing: "", dragged: null, pendingDrag: null, isUndoing: false, isUndone: false });
+    this.ask({});
+  }
+
+  // Makes a change as one step of undo, in its turn, then calls done(). A newer change of the same stream replaces it as long as it waits.
+  step(change, { from, stream = {}, done = () => {} } = {}) {
+    this.close();
+    this.whenIdle(() => this.history.begin(this.text), stream);
+    this.ask(change, from, stream);
+    this.whenIdle(() => { this.history.end(this.text); done(); }, stream);
   }
 
   // Changes values by key while the user types in a field. The first change begins a step of undo, and `close` ends it.
   set(changes, name) {
-    if (this.typing !== name) { this.close(); this.history.begin(this.text); }
+    if (this.typing !== name) { this.close(); this.whenIdle(() => this.history.begin(this.text), name); }
     this.typing = name;
-    this.ask({ set: changes });
+    this.ask({ set: changes }, undefined, name);
   }
 
   // Takes a text that was typed, and calls done() when it is answered.
-  type(text, done) {
-    this.close();
-    this.history.begin(this.text);
-    this.ask({}, text);
-    this.whenIdle(() => { this.history.end(this.text); done(); });
-  }
+  type(text, done) { this.step({}, { from: () => text, stream: "#text", done }); }
 
   // Adds a table or the next item of a list; the server chooses values with which the recipe is valid.
   add(key) {
-    this.close();
-    this.history.begin(this.text);
-    this.ask({ add: key });
-    this.whenIdle(() => { this.history.end(this.text); document.querySelector(`#form details[data-key^="${CSS.escape(key)}"]`)?.scrollIntoView({ block: "nearest" }); });
+    this.step({ add: key }, { done: () => document.querySelector(`#form details[data-key^="${CSS.escape(key)}"]`)?.scrollIntoView({ block: "nearest" }) });
   }
 
-  // Makes an edit of the linkage that is built, one after the other.
+  // Makes an edit of the linkage that is built, at the position that is then shown.
   build(edit) {
-    this.close();
-    if (this.busy) { this.whenIdle(() => this.build(edit)); return; }
-    this.history.begin(this.text);
-    this.ask({ build: { frame: this.player.frame, step: this.handles.onDrawing.pixel, ...edit } });
-    this.whenIdle(() => {
-      this.history.end(this.text);
-      if (!this.player.drawings[0].isInside) this.player.fit(true);
-    });
+    this.whenIdle(() => this.step({ build: { frame: this.player.frame, step: this.handles.onDrawing.pixel, ...edit } }, {
+      done: () => { if (!this.player.drawings[0].isInside) this.player.fit(true); },
+    }));
   }
 
   // Sets the length of a dimension of the drawing.
-  setLength(dimension, length) {
-    this.close();
-    this.history.begin(this.text);
-    this.ask({ length: { ...dimension, length } });
-    this.whenIdle(() => this.history.end(this.text));
-  }
+  setLength(dimension, length) { this.step({ length: { ...dimension, length } }); }
 
   // Known linkages whose curves are similar to a stroke.
   async known(points) { return (await post("nearest", { points })).known; }
@@ -282,15 +270,15 @@ class Editor {
   // Follows a stroke: first by known linkages, of which a click takes one, then by a search.
   async drawPath(points) {
     this.close();
-    const turn = this.strokes = (this.strokes ?? 0) + 1;
+    const turn = this.strokes = (this.strokes ?? 0) + 1, { texts } = this, isLate = () => turn !== this.strokes || texts !== this.texts;
     this.announce("Looking for known linkages");
     try {
       const known = await this.known(points);
-      if (turn !== this.strokes) return;
+      if (isLate()) return;
       this.showKnown(known);
-    } catch (error) { this.fail(error); return; }
+    } catch (error) { if (!isLate()) this.fail(error); return; }
     this.replaceBy({ draw: { points } });
-    this.whenIdle(() => this.announce(""));
+    this.whenIdle(() => this.announce(""), "#draw");
   }
 
   // Puts a mechanism of the gallery, source, on the shaft that is clicked.
@@ -300,9 +288,7 @@ class Editor {
 
   // Makes a change that may lead to another kind of recipe.
   replaceBy(change, text) {
-    this.history.begin(this.text);
-    this.ask(change, text);
-    this.whenIdle(() => { this.history.end(this.text); this.makeRoom(); });
+    this.step(change, { from: text && (() => text), stream: text ? "#text" : change.draw && "#draw", done: () => this.makeRoom() });
   }
 
   showKnown(known) {
@@ -311,9 +297,11 @@ class Editor {
     if (known.length) this.announce(`${known.length} known linkages are similar; the search begins`);
   }
 
+  // Sends what is typed still, and ends its step and that of presses on a handle.
   close() {
-    if (this.typing) this.whenIdle(() => this.history.end(this.text));
-    this.typing = "";
+    this.pane.send();
+    if (this.typing) this.whenIdle(() => this.history.end(this.text), this.typing);
+    Object.assign(this, { typing: "", nudged: "" });
   }
 
   reset(key, field) {
@@ -328,17 +316,18 @@ class Editor {
     this.close();
     this.wasPlaying = this.player.playing;
     this.player.play(false);
-    this.textBeforeDrag = this.textOfScene;
-    this.history.begin(this.text);
+    const held = this.dragged = {};
+    this.whenIdle(() => { held.text = this.textOfScene; this.history.begin(this.text); }, held);
   }
 
   // The text, or if it is refused the last one that was drawn: a drag leads out of sizes that cannot be assembled.
   get textOfScene() { return this.problems.length ? this.drawnText ?? this.text : this.text; }
 
   drag(handle, change) {
-    const { id } = handle;
+    const { id } = handle, { dragged } = this;
+    if (!dragged) return;
     this.previewDrag(handle, change);
-    const act = () => this.ask({ drag: { handle: id, ...change } }, this.textBeforeDrag);
+    const act = () => this.ask({ drag: { handle: id, ...change } }, () => dragged.text, dragged);
     if (!this.isSearch) { act(); return; }
     // A search starts when the pointer rests.
     clearTimeout(this.resting);
@@ -354,37 +343,41 @@ class Editor {
   get isSearch() { return this.reply?.search; }
 
   cancelDrag() {
-    this.pendingDrag = this.queued = null;
+    const { dragged } = this;
+    if (!dragged) return;
+    this.pendingDrag = null;
     clearTimeout(this.resting);
-    this.ask({}, this.textBeforeDrag);
+    this.ask({}, () => dragged.text, dragged);
     this.whenIdle(() => {
       this.history.end(this.text);
-      this.textBeforeDrag = null;
       if (this.wasPlaying) this.player.play(true);
-    });
+    }, dragged);
     this.announce("The drag was cancelled");
   }
 
   endDrag({ label }) {
+    const { dragged } = this;
+    if (!dragged) return;
     this.pendingDrag?.();
+    this.whenIdle(() => { if (this.problems.length) this.ask({}, () => dragged.text, dragged); }, dragged);
     this.whenIdle(() => {
-      if (this.problems.length) { this.ask({}, this.textBeforeDrag); }
-      this.whenIdle(() => {
-        if (this.history.end(this.text)) this.announceChange(label);
-        this.textBeforeDrag = null;
-        if (!this.player.shownDrawings.every((drawing) => drawing.isFitting)) this.player.fit(true);
-        if (this.wasPlaying) this.player.play(true);
-      });
-    });
+      if (this.history.end(this.text)) this.announceChange(label);
+      if (!this.player.shownDrawings.every((drawing) => drawing.isFitting)) this.player.fit(true);
+      if (this.wasPlaying) this.player.play(true);
+    }, dragged);
   }
 
   nudge({ id, label }, change) {
     this.player.play(false);
-    const now = performance.now(), isContinued = this.nudged === id && now - this.nudgedAt < ONE_STEP;
-    if (!isContinued) { this.close(); this.history.begin(this.text); }
-    Object.assign(this, { nudged: id, nudgedAt: now, target: { id, to: change.to } });
-    this.ask({ drag: { handle: id, ...change } }, this.textOfScene);
-    this.whenIdle(() => { this.target = null; this.history.end(this.text, isContinued); this.announceChange(label); });
+    const now = performance.now(), stream = `handle ${id}`, isContinued = this.nudged === id && now - this.nudgedAt < ONE_STEP, target = { id, to: change.to };
+    if (!isContinued) { this.close(); this.whenIdle(() => this.history.begin(this.text), stream); }
+    Object.assign(this, { nudged: id, nudgedAt: now, target });
+    this.ask({ drag: { handle: id, ...change } }, () => this.textOfScene, stream);
+    this.whenIdle(() => {
+      if (this.target === target) this.target = null;
+      this.history.end(this.text, isContinued);
+      this.announceChange(label);
+    }, stream);
   }
 
   // The requested position of a handle that arrow keys move, until the answer arrives; else null.
@@ -392,9 +385,14 @@ class Editor {
 
   relock() { this.ask({}); }
 
+  // A search that runs is stopped by undo, and counts as undone if that leaves the text as it was before it.
   travel(direction) {
     this.close();
+    if (direction === "undo") this.isUndoing = this.busy;
     this.whenIdle(() => {
+      const { isUndone } = this;
+      Object.assign(this, { isUndoing: false, isUndone: false });
+      if (isUndone) { this.announce("Undone"); return; }
       const text = this.history[direction](this.text);
       if (text === null) return;
       this.text = text;
@@ -403,52 +401,63 @@ class Editor {
     });
   }
 
-  // --- requests: one at a time; a newer one replaces those that wait ------------------------------------------------
+  // --- requests: one at a time, in turn; one that waits is replaced by the next one of its stream, such as the same drag ---------
 
-  ask(change, text) {
-    const before = this.queued?.change;
-    // Changes of several fields that wait for the same answer are sent together, so that none is lost.
-    if (before?.set && change.set) change = { set: { ...before.set, ...change.set } };
-    if (!before || text !== undefined || Object.keys(change).length) this.queued = { change, text };
+  // from: the text that is changed, when its turn comes.
+  ask(change, from = () => this.text, stream = {}) {
+    const last = this.waiting.findLast((other) => other.change || other.stream !== stream);
+    if (last?.change && last.stream === stream) Object.assign(last, { change: bothOf(last.change, change), from });
+    else this.waiting.push({ change, from, stream });
     clearTimeout(this.checkTimer);
     this.pump();
   }
 
+  // Calls `act` as soon as all that was asked for before is answered, and not if another recipe is loaded before that.
+  // stream: that of the request that it is part of.
+  whenIdle(act, stream = null) {
+    if (this.busy) this.waiting.push({ act, stream }); else act();
+  }
+
   async pump() {
-    if (this.busy || !this.queued) return;
-    const { change, text = this.text } = this.queued, { texts } = this;
-    this.queued = null;
+    if (this.busy) return;
     this.busy = true;
     this.showBusy();
     try {
-      let reply = await this.answer({ text, ...change, lane: "scene" });
-      // A search that takes long is a job, which the next change stops.
-      if (reply.job) reply = await this.search(reply.job);
-      if (reply && texts === this.texts) await this.show(reply, change.set ?? {});
-      else if (!reply && !this.queued) this.announce("The search was stopped, and the recipe is as before");
-    } catch (error) { if (texts === this.texts) this.fail(error); }
-    this.busy = false;
-    if (this.queued) { this.pump(); return; }
+      while (this.waiting.length) {
+        const { texts } = this, next = this.waiting.shift(), later = next.act ? this.waiting.splice(0) : [];
+        // What an act asks for is its own turn.
+        if (next.act) next.act(); else await this.send(next);
+        if (texts === this.texts) this.waiting.push(...later);
+      }
+    } finally { this.busy = false; }
     this.showBusy();
-    const waiting = this.whenAnswered ?? [];
-    this.whenAnswered = [];
-    for (const act of waiting) this.whenIdle(act);
-    if (!this.busy) this.checkTimer = setTimeout(() => this.check(), PAUSE);
+    this.checkTimer = setTimeout(() => this.check(), PAUSE);
+  }
+
+  async send(asked) {
+    const { change, from } = asked, { texts } = this;
+    try {
+      let reply = await this.answer({ text: from(), ...change, lane: "scene" });
+      // A search that takes long is a job.
+      if (reply.job) reply = (await this.follow(reply.job, () => texts !== this.texts || this.isUndoing || this.followerOf(asked))).result;
+      if (texts !== this.texts) return;
+      this.isUndone = this.isUndoing && !reply && this.history.begun === this.text;
+      const follower = this.followerOf(asked);
+      if (reply) await this.show(reply, change.set ?? {});
+      else if (follower) follower.change = bothOf(change, follower.change);
+      else this.announce("The search was stopped, and the recipe is as before");
+    } catch (error) { if (texts === this.texts) this.fail(error); }
+  }
+
+  // The next request, if it stops the search of another one: of the same stream, one more change of values, or another text.
+  followerOf({ change, stream }) {
+    const next = this.waiting.find((other) => other.change || !other.stream);
+    return next?.change && ([stream, "#text"].includes(next.stream) || (next.change.set && change.set)) ? next : null;
   }
 
   showBusy() { document.body.classList.toggle("solving", Boolean(this.busy || this.isOpening)); }
 
   answer(body) { return post("answer", { recipe: this.recipe, locks: [...this.locks], ...body }); }
-
-  async search(id) {
-    const job = await this.follow(id, () => this.queued);
-    return job.result;
-  }
-
-  // Calls `act` as soon as all requests are answered.
-  whenIdle(act) {
-    if (this.busy) (this.whenAnswered ??= []).push(act); else act();
-  }
 
   async check() {
     const { text } = this;
@@ -457,7 +466,7 @@ class Editor {
       let reply = await this.answer({ text, lane: "checks" });
       if (reply.job) reply = (await finished(reply.job, () => {})).result;
       if (reply && text === this.text && !this.busy) this.showChecks(reply);
-    } catch (error) { this.fail(error); }
+    } catch (error) { if (text === this.text) this.fail(error); }
   }
 
   fail(error) {
@@ -525,7 +534,7 @@ class Editor {
     this.handles.load(handles);
     this.preview.load(preview);
     // The pointer is already farther on.
-    const { drag } = this.queued?.change ?? {}, handle = drag && handles.find(({ id }) => id === drag.handle);
+    const { drag } = this.waiting.find(({ change }) => change?.drag)?.change ?? {}, handle = drag && handles.find(({ id }) => id === drag.handle);
     if (handle && this.handles.held) this.previewDrag(handle, drag);
     if (this.isJustLoaded) this.showHandlesOfPlots(handles);
     this.isJustLoaded = false;
@@ -636,7 +645,7 @@ class Editor {
   showState() {
     at("name").textContent = this.recipe || `new ${this.title || this.kind}`;
     at("dirty").hidden = !this.isDirty;
-    if (this.isDirty && this.text !== this.firstText) keep({ id: this.draft, folder: this.folder, recipe: this.recipe, kind: this.kind, title: this.title, text: this.text, base: this.base });
+    if (this.isDirty && this.text !== this.firstText) keep({ id: this.draft, folder: this.folder, recipe: this.recipe, kind: this.kind, title: this.title, text: this.text, base: this.base }, this.offered);
     else forget(this.draft);
     document.title = `${this.isDirty ? "• " : ""}${this.suggested || "geomkin"} – studio`;
   }
@@ -655,14 +664,23 @@ class Editor {
 
   // --- files --------------------------------------------------------------------------------------------------------
 
-  async save(name = this.recipe, base = this.base) {
+  // Waits until all that was typed is answered; for ever if another recipe is loaded before that.
+  async settled() {
     this.close();
+    await new Promise((resolve) => { this.whenIdle(resolve); });
+  }
+
+  // Whether there are values that were refused.
+  get isWrong() { return this.problems.length > 0 || document.querySelector("#form [aria-invalid]") !== null; }
+
+  async save(wanted, mark) {
+    await this.settled();
+    const name = wanted ?? this.recipe, base = mark ?? this.base;
     if (!name) { await this.saveAs(); return; }
-    if (this.problems.length) { this.announce("Not saved: correct the marked values first, or undo"); return; }
+    if (this.isWrong) { this.announce("Not saved: correct the marked values first, or undo"); return; }
     const { text, draft } = this;
     try {
       const saved = await post("save", { recipe: name, text, base });
-      // The recipe that is open by now is another one.
       if (draft !== this.draft) return;
       Object.assign(this, { recipe: name, base: saved.base, seen: saved.base, savedText: text });
       remember(this.folder, name);
@@ -671,20 +689,25 @@ class Editor {
       this.showState();
       this.announce(`Saved ${name}.toml`);
     } catch (error) {
-      if (error.status === 409) this.showConflict(`${name}.toml is not the file that was opened: it was changed or exists already.`, name);
+      // The recipe that is open by now is another one.
+      if (draft !== this.draft) { this.announce(`${name}.toml was not saved: ${error.message}`); if (!error.problems) throw error; }
+      else if (error.status === 409) this.showConflict(`${name}.toml is not the file that was opened: it was changed or exists already.`, name);
       else { this.announce(`Not saved: ${error.message}`); if (!error.problems) throw error; }
     }
   }
 
   async saveAs() {
-    const name = await chooseName(this.suggested);
-    if (name) await this.save(name, name === this.recipe ? this.base : "");
+    const { draft } = this, name = await chooseName(this.suggested);
+    if (name && draft === this.draft) await this.save(name, name === this.recipe ? this.base : "");
   }
 
   // Asks the user which version of a file to keep.
   showConflict(reason, name) {
     this.choose(reason, {
-      "Overwrite the file": async () => { const { base } = await post("open", { recipe: name }); await this.save(name, base); },
+      "Overwrite the file": async () => {
+        const { draft } = this, { base } = await post("open", { recipe: name });
+        if (draft === this.draft) await this.save(name, base);
+      },
       "Load the file": () => this.loadFile(name),
       "Save under another name": () => this.saveAs(),
     });
@@ -704,7 +727,8 @@ class Editor {
 
   // Replaces the edited text by that of the file. Undo restores the edited text.
   async loadFile(name) {
-    const { text, base } = await post("open", { recipe: name }), before = this.text;
+    const { draft } = this, { text, base } = await post("open", { recipe: name }), before = this.text;
+    if (draft !== this.draft) return;
     this.history.begin(before);
     Object.assign(this, { recipe: name, base, seen: base, text, savedText: text });
     this.history.end(text);
@@ -724,7 +748,7 @@ class Editor {
         this.seen = now;
         if (!now) { this.announce(`${recipe}.toml was deleted; Save writes it again`); this.savedText = ""; this.showState(); continue; }
         if (this.isDirty) this.showConflict(`${recipe}.toml was changed by another program.`, recipe);
-        else { await this.loadFile(recipe); this.announce(`${recipe}.toml was changed by another program and is shown anew`); }
+        else { await this.loadFile(recipe); if (recipe === this.recipe) this.announce(`${recipe}.toml was changed by another program and is shown anew`); }
       } catch (error) {
         if (!error.problems) throw error;
         this.isGone = error.status === 0;
@@ -734,10 +758,13 @@ class Editor {
   }
 
   async make() {
-    if (this.problems.length) { this.announce("No files made: correct the marked values first"); return; }
+    await this.settled();
+    if (this.isWrong) { this.announce("No files made: correct the marked values first"); return; }
+    const { draft } = this;
     try {
       const { job } = await post("make", { text: this.text, recipe: this.suggested });
       const { state, result } = await this.follow(job);
+      if (draft !== this.draft) return;
       if (state === "stopped" || !result) { this.announce("Stopped"); return; }
       if (result.problems.length) { this.showProblems(result.problems); return; }
       at("files-part").hidden = false;
@@ -751,7 +778,7 @@ class Editor {
       this.announce(`${result.files.length} files made`);
       at("files-part").scrollIntoView({ block: "nearest" });
       return result.files;
-    } catch (error) { this.fail(error); }
+    } catch (error) { if (draft === this.draft) this.fail(error); }
   }
 
   // Makes the files and saves them as one zip.
@@ -762,8 +789,10 @@ class Editor {
     make(document.body, "a", { href: `zip/${name}`, download: `${decodeURIComponent(name)}.zip`, hidden: "" }).click();
   }
 
-  async copy(text, said) {
-    try { await navigator.clipboard.writeText(text); this.announce(said); } catch { this.announce("The browser does not let this page copy"); }
+  // written(text): what is copied of a recipe's text.
+  async copy(written, said) {
+    await this.settled();
+    try { await navigator.clipboard.writeText(written(this.text)); this.announce(said); } catch { this.announce("The browser does not let this page copy"); }
     at("share").open = false;
   }
 

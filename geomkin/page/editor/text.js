@@ -75,10 +75,18 @@ export class TextPane {
     this.mark();
   }
 
+  // Sends what was typed since the last time.
   send() {
+    const { typed, timer } = this;
+    clearTimeout(timer);
+    this.timer = 0;
+    if (timer) this.editor.type(typed, () => { if (this.typed === typed) this.typed = null; });
+  }
+
+  // Gives up what was typed and has no answer yet.
+  forget() {
     clearTimeout(this.timer);
-    const { typed } = this;
-    if (typed !== null) this.editor.type(typed, () => { if (this.typed === typed) this.typed = null; });
+    Object.assign(this, { typed: null, timer: 0 });
   }
 
   // Numbers the lines, and marks those with problems.

@@ -358,9 +358,19 @@ export class Tools {
   }
 
   // Lets a body be driven, and asks for its motor, of the list of the form, by the pictures of their faces.
-  chooseMotor(body) {
+  // isDriven: whether it was asked for.
+  chooseMotor(body, isDriven = false) {
     const { editor, motors } = this, list = motors.querySelector(".faces");
-    if (body !== this.structure.driver) { editor.build({ do: "driver", on: [{ at: [0, 0], body }] }); editor.whenIdle(() => this.chooseMotor(body)); return; }
+    if (body !== this.structure?.driver && !isDriven) {
+      editor.build({ do: "driver", on: [{ at: [0, 0], body }] });
+      editor.whenIdle(() => this.chooseMotor(body, true));
+      return;
+    }
+    if (body !== this.structure?.driver) {
+      const [{ problem, remedy } = {}] = editor.problems;
+      editor.announce(`No motor on ${body}: ${editor.reply.limit?.reason ?? [problem, remedy].filter(Boolean).join("; ")}`);
+      return;
+    }
     const field = editor.form.fields.get(MOTOR);
     if (!field) { editor.announce("This body turns on no fixed pivot; choose one that does"); return; }
     const take = (name) => { motors.close(); editor.set({ [MOTOR]: name }, MOTOR); editor.close(); };
