@@ -8,7 +8,7 @@ import dataclasses
 import re
 import tomllib
 from functools import cache
-from itertools import combinations
+from itertools import combinations, product
 from zlib import crc32
 
 import numpy as np
@@ -18,6 +18,7 @@ import geomkin as gk
 from geomkin.core.errors import RecipeError
 from geomkin.core.field_visitor import numbers_in
 from geomkin.core.units import PURE, SOLUTIONS, Sentence
+from geomkin.linkage.kinds.linkages import AbstractLinkageRecipe
 from geomkin.model.explanations import check_entry
 from geomkin.recipe.kinds import kind_names, recipe_class
 from geomkin.recipe.load import from_table
@@ -292,6 +293,57 @@ def in_studio(table, tmp_path):
     assert [check["id"] for check in reply["checks"]] == [check.id for check in recipe.checks]
 
 
+def words_in(value):
+    """Every text and key of a table."""
+    if isinstance(value, dict):
+        return [word for name, held in value.items() for word in (name, *words_in(held))]
+    if isinstance(value, list):
+        return [word for held in value for word in words_in(held)]
+    return [value] if isinstance(value, str) else []
+
+
+def numbers_of(text):
+    """Numbers of the aspects and checks of a recipe."""
+    recipe = read(tomllib.loads(text))
+    found = [value for _, value, _ in entries_of(results_of(recipe)[0]) if isinstance(value, float)]
+    return [*found, *(number for pair in values(recipe.checks).values() for number in pair)]
+
+
+def renamed(table, tmp_path):
+    """Another name of a body or point changes no number, and each mention of it in the table of an aspect."""
+    recipe = read(table)
+    key = next((key for key in ASPECTS if key in table and takes(table["kind"], key)), None)
+    if key in (None, "stroke") or not isinstance(recipe, AbstractLinkageRecipe):
+        pytest.skip("it is no aspect of a linkage")
+    # A table that the studio adds has the names that it may have.
+    is_added = ASPECTS[key] is None
+    text = gk.recipe.to_toml(read({name: table[name] for name in table if name != key}) if is_added else recipe)
+    bodies = recipe.linkage.linkage.bodies
+    requests = [{"add": key}] if is_added else []
+    # The first one makes it a linkage of bodies.
+    for request in [*requests, {"build": {"do": "rename", "old": list(bodies)[-1], "new": "first"}}]:
+        reply = answer(text, {}, request)
+        assert not reply["limit"] and not reply["problems"]
+        text = reply["text"]
+    known = {"first", *bodies, *(point for points in bodies.values() for point in points)}
+    # The last name that is valid, where one may be left out.
+    fields = getattr(getattr(recipe, key), "__dataclass_fields__", {}).values() if is_added else ()
+    optional = [field.name for field in fields if field.default == ""]
+    for field, name in product(optional, sorted(known)):
+        reply = answer(text, {}, {"set": {f"{key}.{field}": name}})
+        text = text if reply["problems"] else reply["text"]
+    words, before = words_in(tomllib.loads(text)[key]), numbers_of(text)
+    named = known & {*words} - {*optional}
+    assert not optional or named
+    for name in named:
+        reply = answer(text, {}, {"build": {"do": "rename", "old": name, "new": "second"}})
+        assert not reply["limit"] and not reply["problems"]
+        assert sorted(words_in(tomllib.loads(reply["text"])[key])) == sorted(
+            "second" if word == name else word for word in words
+        )
+        assert numbers_of(reply["text"]) == pytest.approx(before, rel=1e-6, abs=1e-7, nan_ok=True)
+
+
 def certified(table, tmp_path):
     """The certificate passes for the files that were made."""
     recipe = read({**table, "files": {**table.get("files", {}), "write": ["dxf", "svg", "csv", "bom"]}})
@@ -299,7 +351,7 @@ def certified(table, tmp_path):
     assert all(certificate.passed for certificate in gk.verify(tmp_path))
 
 
-WAYS = (alone, in_machine, scaled, inches, swept, optimised, in_studio, certified)
+WAYS = (alone, in_machine, scaled, inches, swept, optimised, in_studio, renamed, certified)
 PAIRS = [(kind, aspect) for kind in kind_names() for aspect in (None, *ASPECTS) if not aspect or offers(kind, aspect)]
 
 
