@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 
 from .core.arguments import ArgumentType, checked
 from .core.errors import DesignError, GeomkinError, Problem, RecipeError, harmless, printable
+from .core.field_visitor import fields_of
 from .core.fields import to_digits
 from .core.names import PathName, file_name_flaw
 from .core.records import record
@@ -420,13 +421,11 @@ def _notes(recipe: AbstractRecipe) -> Mapping[str, object]:
 
 
 def _data(recipe: AbstractRecipe) -> dict[str, Any]:
-    """The keys of a recipe and their values, as JSON states them."""
-    data = {
-        key: value
-        for key, value in reading.whole_table(recipe, has_inner_defaults=False).items()
-        if (key, value) != ("units", "mm")
-    }
-    return {key: value for key, value in data.items() if value or key not in (*SHARED, "tolerances")}
+    """The keys of a recipe and their values, as JSON states them, but those that are off by default."""
+    data = reading.whole_table(recipe, has_inner_defaults=False)
+    fields = fields_of(type(recipe)).items()
+    off = {name for name, declared in fields if not data[name] and getattr(recipe, name) == declared.default}
+    return {key: value for key, value in data.items() if key not in off and (key, value) != ("units", "mm")}
 
 
 def valid_recipe_name(file: str, name: str) -> str:

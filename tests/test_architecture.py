@@ -140,7 +140,26 @@ def test_no_circle_of_imports():
     ahead = {name: {there for _, there in imports(file)} & set(modules) for name, file in modules.items()}
     while free := {name for name, used in ahead.items() if not used & set(ahead)}:
         ahead = {name: used for name, used in ahead.items() if name not in free}
-    assert not ahead
+    circle = shortest_circle(ahead)
+    assert not circle
+
+
+def shortest_circle(ahead):
+    """One of the shortest ways, in dotted names, from a module of a graph back to itself; "" if there is none."""
+    ways = [(name,) for name in ahead]
+    for _ in ahead:
+        ways = list(
+            {(way[0], there): (*way, there) for way in ways for there in sorted(ahead[way[-1]] & ahead.keys())}.values()
+        )
+        if closed := next((way for way in ways if way[0] == way[-1]), None):
+            return " -> ".join(".".join(name) for name in closed)
+    return ""
+
+
+def test_one_shortest_circle_is_shown():
+    graph = {"a": "bd", "b": "c", "c": "ad", "d": "e", "e": "da"}
+    assert shortest_circle({(name,): {(there,) for there in used} for name, used in graph.items()}) == "d -> e -> d"
+    assert not shortest_circle({("a",): {("b",)}, ("b",): set()})
 
 
 def test_no_module_hides_a_public_name():

@@ -201,7 +201,7 @@ def print_json(data: dict[str, object]) -> None:
     """Print JSON on one line."""
     import json
 
-    from ..export.summary import as_json
+    from ..export.text import as_json
 
     click.echo(json.dumps(as_json(data)))
 

@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
-from math import inf, isfinite
+from math import inf
 from pathlib import Path
 
 from ..core.errors import FileError, shown
@@ -27,6 +27,7 @@ from ..plane.measure import area
 from .formats import WRITERS, format_of
 from .job import Job
 from .mesh import solid_volume
+from .text import as_json
 
 # Prefix of temporary files, which are hidden so that nobody mistakes one for a part.
 PREFIX = ".making-"
@@ -172,17 +173,6 @@ def summary(
         "versions": _versions(written),
     }
     return (json.dumps(as_json(entries), indent=1, ensure_ascii=False) + "\n").encode("utf-8", "replace")
-
-
-def as_json(data: object) -> object:
-    """Data with "inf", "-inf" and null (nan) in place of numbers that JSON does not have."""
-    if isinstance(data, Mapping):
-        return {name: as_json(value) for name, value in data.items()}
-    if isinstance(data, (list, tuple)):
-        return [as_json(value) for value in data]
-    if isinstance(data, float) and not isfinite(data):
-        return None if data != data else str(float(data))
-    return data
 
 
 def _part(part: Part) -> dict[str, object]:

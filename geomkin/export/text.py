@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from functools import cache
 from html import escape
+from math import isfinite
 from unicodedata import east_asian_width
 
 import numpy as np
@@ -401,3 +402,14 @@ def _main_direction(outline: Complex) -> complex:
     direction = complex(np.sqrt(twice / abs(twice)))
     level = abs(direction.real) > 1e-9
     return direction if (direction.real if level else direction.imag) > 0 else -direction
+
+
+def as_json(data: object) -> object:
+    """Data with "inf", "-inf" and null (nan) in place of numbers that JSON does not have."""
+    if isinstance(data, Mapping):
+        return {name: as_json(value) for name, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [as_json(value) for value in data]
+    if isinstance(data, float) and not isfinite(data):
+        return None if data != data else str(float(data))
+    return data

@@ -21,6 +21,7 @@ from ..linkage.motion import Motion
 from ..linkage.moving import move
 from ..recipe.keys import edited_text
 from ..recipe.load import from_mm
+from ..recipe.reader import field_of
 from .clicks import EDITS, Clicks, are_clicks, with_driver
 from .drafts import Draft
 from .structure import MOST_BODIES, Points, Structure, structure_at, unfinished
@@ -36,7 +37,7 @@ ground = {}
 # Distance, in sizes of the linkage, by which a point may be away from where it was drawn.
 AWAY = 2e-3
 # Tables of a recipe that name bodies, points and joints, and keys that an edit changes itself.
-NAMING = ("linkage", "branches", "loads", "dwell", "tolerances", "foot", "stock")
+NAMING = {"linkage", "branches", "stock", *(aspect.key for aspect in LinkageRecipe.aspect_kinds)}
 CHANGED = ("linkage.bodies.", "linkage.sliders", "linkage.slots", "linkage.driver")
 
 
@@ -282,12 +283,15 @@ def _renamed(draft: Draft, old: object, new: object) -> str:
 
 
 def _walked(value: Any, key: str) -> Iterator[tuple[str, Any, Any]]:
-    """Every text and key below a key: its own key, itself, and of a key what it holds; lists from their ends."""
+    """Every text, and key that is no field, below a key: its own key, itself, what it holds; lists from their ends."""
     if isinstance(value, Mapping):
         for name, held in value.items():
+            inner = f"{key}.{name}" if key else name
             if key or name in NAMING:
-                yield f"{key}.{name}" if key else name, name, held
-                yield from _walked(held, f"{key}.{name}" if key else name)
+                declared = field_of(inner, LinkageRecipe)
+                if declared is None or declared.name != name:
+                    yield inner, name, held
+                yield from _walked(held, inner)
     elif isinstance(value, list):
         for k in range(len(value))[::-1]:
             yield from _walked(value[k], f"{key}[{k}]")

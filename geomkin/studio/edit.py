@@ -17,7 +17,7 @@ from ..build import errors_named_by_key
 from ..core.errors import DesignError, FileError, GeomkinError, Problem, RecipeError, harmless, shown
 from ..core.units import MM, UNITS
 from ..export.still import kept_frames
-from ..export.summary import as_json
+from ..export.text import as_json
 from ..linkage.dynamics.wrenches import known_place
 from ..linkage.kinds.linkages import AbstractLinkageRecipe
 from ..linkage.scene_handles import body_point

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from ..core.units import MM, LengthUnit
-from ..export.summary import CERTIFICATE, as_json, write_whole
-from ..export.text import text
+from ..export.summary import CERTIFICATE, write_whole
+from ..export.text import as_json, text
 from ..plane.region import thinned
 from ..plane.vec import Complex
 from .certificate import Certificate, FileReport, verify

@@ -5,9 +5,10 @@ A new kind is found in the table of kinds; a new aspect is one row of `ASPECTS`,
 """
 
 import dataclasses
+import re
 import tomllib
 from functools import cache
-from itertools import combinations
+from itertools import combinations, product
 from zlib import crc32
 
 import numpy as np
@@ -16,12 +17,15 @@ import pytest
 import geomkin as gk
 from geomkin.core.errors import RecipeError
 from geomkin.core.field_visitor import numbers_in
+from geomkin.core.units import PURE, SOLUTIONS, Sentence
+from geomkin.linkage.kinds.linkages import AbstractLinkageRecipe
 from geomkin.model.explanations import check_entry
 from geomkin.recipe.kinds import kind_names, recipe_class
 from geomkin.recipe.load import from_table
 from geomkin.recipe.recipe import AbstractGoal
+from geomkin.recipe.shown import ShownRecipe
 from geomkin.studio.edit import answer
-from tests.recipe.test_inches import in_inches
+from tests.recipe.test_inches import INCH, in_inches
 from tests.texts import choices_of, template_of
 
 # A value of each aspect by its key; None is that of the kind's template.
@@ -40,6 +44,10 @@ ASPECTS = {
 }
 # Aspects that need others.
 WITH = {"foot": {"copies": [{"phase_deg": 120}, {"phase_deg": 240}]}}
+# The entry of summary.json of an aspect is that of its key but for these.
+ENTRIES = {"both_modes": "other_mode"}
+# Counts of plates, of what is bought and of steps of copies and bases.
+COUNTED = {"copies": {"stack"}, "foot": {"stack"}, "base": {"bought", "steps"}}
 # Kinds that search for their mechanism take long.
 SLOW = {"path-generator", "function-generator", "slider-function-generator"}
 PAIR = {"kind": "gear-pair", "first": {"teeth": 12, "module": 2, "profile_shift": 0.3},
@@ -99,8 +107,52 @@ def assert_same_places(ours, theirs, factor=1.0, digits=1e-7):
         assert np.allclose(one.direction, other.direction, rtol=0, atol=digits, equal_nan=True)
 
 
+def power_of(name):
+    """Power of the length in an entry by the unit that ends its name; None if the name states nothing."""
+    words = re.sub(r"_per_s2?$", "", name.lower()).split("_")
+    is_length = re.fullmatch("mm[23]?", words[-1]) and not {"n", "kg", "per"} & {*words[-2:-1]}
+    return int(words[-1][2:] or 1) if is_length else 0 if words[-1] == "deg" or name in PURE else None
+
+
+def entries_of(data, unit="mm", path=(), power=0):
+    """(path, value, power of the length) of each number and text of entries; unit: in names of lengths instead of mm."""
+    if isinstance(data, dict):
+        for name, value in data.items():
+            own = power_of(name)
+            # Among lengths without their own unit there are also counts.
+            is_count = own is None and isinstance(value, int)
+            name = re.sub(r"_mm(?=[^m]*$)", f"_{unit}", name) if own else name
+            yield from entries_of(value, unit, (*path, name), 0 if is_count else power if own is None else own)
+    elif isinstance(data, list | tuple):
+        for k, value in enumerate(data):
+            yield from entries_of(value, unit, (*path, k), power)
+    else:
+        yield path, data, power
+
+
+def assert_same_entries(ours, theirs, factor=1.0, unit="mm"):
+    """Numbers in units of lengths are those of the other entries times a power of the factor; the rest is the same."""
+    ours, theirs = list(entries_of(ours)), list(entries_of(theirs, unit))
+    assert [path for path, _, _ in ours] == [path for path, _, _ in theirs]
+    for (path, value, _), (_, other, power) in zip(ours, theirs):
+        is_number = isinstance(other, int | float)
+        expected = pytest.approx(other * factor**power, rel=1e-6, abs=1e-6, nan_ok=True) if is_number else other
+        # A text has its lengths in both units. Sizes of found linkages have the names of their fields, without a unit.
+        assert value == expected or "mm" in str(other) or {*SOLUTIONS} & {*path}, path
+
+
+def results_of(recipe, *without):
+    """Entries, quantities and remarks of the aspects of a recipe but of some."""
+    aspects = [aspect for aspect in getattr(recipe, "aspects", ()) if aspect.key not in without]
+    return (
+        {name: value for aspect in aspects for name, value in aspect.entries.items()},
+        {label: text for aspect in aspects for label, text in aspect.quantities.items()},
+        [remark for aspect in aspects for remark in aspect.remarks],
+    )
+
+
 def alone(table, tmp_path):
-    """An aspect adds to the results of the mechanism and changes none of them, but the counts of copies."""
+    """An aspect adds to the results of the mechanism and changes none of them, but the counts of copies and bases."""
     recipe = read(table)
     key = next((key for key in ASPECTS if key in table and takes(table["kind"], key)), None)
     if key == "stroke":
@@ -110,12 +162,17 @@ def alone(table, tmp_path):
         assert ours.id == theirs.id
         np.testing.assert_array_equal(ours.values, theirs.values, err_msg=ours.id)
     assert set(values(plain.checks)) <= set(values(recipe.checks))
+    added = recipe.notes.keys() - plain.notes.keys()
+    assert added <= {ENTRIES.get(key, key)}
+    kept = plain.notes.keys() - COUNTED.get(key, set())
+    assert_same_entries({name: recipe.notes[name] for name in kept}, {name: plain.notes[name] for name in kept})
+    assert plain.quantities.items() <= recipe.quantities.items() and set(plain.remarks) <= set(recipe.remarks)
     unexplained = [check.id for check in recipe.checks if check_entry(check.id) is None]
     assert not unexplained, "give them entries in geomkin/model/explanations.toml"
 
 
 def in_machine(table, tmp_path):
-    """Bodies lie where those of the recipe are turned to; the torque is that of its loads at that speed and direction."""
+    """Bodies lie where those of the recipe are turned to; results are those at that speed and direction."""
     recipe = read(table)
     if not recipe.rotating_bodies:
         pytest.skip("it has no driver on a shaft")
@@ -127,6 +184,13 @@ def in_machine(table, tmp_path):
     scene = recipe.scene_at(placed.turn)
     for one, other in zip(placed.scene.bodies, scene.bodies, strict=True):
         assert np.allclose(one.origin, pose.place(other.origin), atol=1e-9)
+    if hasattr(recipe, "drive"):
+        apart = read({**table, "drive": {**table.get("drive", {}), "speed_rpm": SPEED_RPM / 3}})
+        # The machine adds up loads, and knows what stands.
+        entries, quantities, remarks = results_of(apart, "loads", "foot")
+        assert_same_entries(machine.notes.get("results_of_mechanisms", {}).get("own", {}), entries)
+        assert {f"own: {label}": text for label, text in quantities.items()}.items() <= machine.quantities.items()
+        assert {Sentence(f"own: {remark}") for remark in remarks} <= {*machine.remarks}
     # Loads of gears have no gravity.
     if not hasattr(getattr(recipe, "loads", None), "gravity_m_per_s2"):
         return
@@ -147,22 +211,31 @@ def in_machine(table, tmp_path):
 
 
 def scaled(table, tmp_path):
-    """Twice the size: positions are doubled."""
+    """Twice the size: positions and lengths among the entries are doubled."""
     recipe = read(table)
     if not recipe.can_be_scaled or recipe.scene is None:
         pytest.skip("it takes no scale")
     larger = read({"scale": 2, **table})
     # A goal rounds the lengths that it finds to six digits.
     assert_same_places(larger.scene, recipe.scene, 2.0, 1e-7 if not isinstance(recipe, AbstractGoal) else 3e-5)
+    # Errors of lengths and forces keep their size.
+    assert_same_entries(*(results_of(each, "loads", "tolerances")[0] for each in (larger, recipe)), 2.0)
 
 
 def inches(table, tmp_path):
-    """The same mechanism."""
+    """The same mechanism, whose entries and quantities have their lengths in inches."""
     recipe = read(table)
     inch = read(in_inches(table, recipe))
     assert_same_checks(values(inch.checks), values(recipe.checks))
     if recipe.scene is not None:
         assert_same_places(inch.scene, recipe.scene)
+    shown = ShownRecipe(inch)
+    # A fit test has its sizes engraved in inches, which need other room.
+    if recipe.kind != "fit-test":
+        assert_same_entries(shown.notes, recipe.notes, 1 / INCH, "in")
+    assert shown.quantities.keys() == recipe.quantities.keys()
+    texts = (*shown.quantities.values(), *shown.texts(recipe.remarks))
+    assert not [text for text in texts if re.search(r"(?<!N )\bmm", text)]
 
 
 def sheet(recipe):
@@ -211,11 +284,64 @@ def optimised(table, tmp_path):
 
 
 def in_studio(table, tmp_path):
-    """The studio shows the checks of the recipe."""
+    """The studio shows the checks and quantities of the recipe."""
     recipe = read(table)
-    reply = answer(gk.recipe.to_toml(recipe), {}, {"lane": "checks"})
-    assert not reply["problems"]
+    reply, scene = (answer(gk.recipe.to_toml(recipe), {}, {"lane": lane}) for lane in ("checks", "scene"))
+    assert not reply["problems"] and not scene["problems"]
+    shown = {row["label"]: row["text"] for row in scene["quantities"] if not row["id"]}
+    assert shown == dict(recipe.quantities)
     assert [check["id"] for check in reply["checks"]] == [check.id for check in recipe.checks]
+
+
+def words_in(value):
+    """Every text and key of a table."""
+    if isinstance(value, dict):
+        return [word for name, held in value.items() for word in (name, *words_in(held))]
+    if isinstance(value, list):
+        return [word for held in value for word in words_in(held)]
+    return [value] if isinstance(value, str) else []
+
+
+def numbers_of(text):
+    """Numbers of the aspects and checks of a recipe."""
+    recipe = read(tomllib.loads(text))
+    found = [value for _, value, _ in entries_of(results_of(recipe)[0]) if isinstance(value, float)]
+    return [*found, *(number for pair in values(recipe.checks).values() for number in pair)]
+
+
+def renamed(table, tmp_path):
+    """Another name of a body or point changes no number, and each mention of it in the table of an aspect."""
+    recipe = read(table)
+    key = next((key for key in ASPECTS if key in table and takes(table["kind"], key)), None)
+    if key in (None, "stroke") or not isinstance(recipe, AbstractLinkageRecipe):
+        pytest.skip("it is no aspect of a linkage")
+    # A table that the studio adds has the names that it may have.
+    is_added = ASPECTS[key] is None
+    text = gk.recipe.to_toml(read({name: table[name] for name in table if name != key}) if is_added else recipe)
+    bodies = recipe.linkage.linkage.bodies
+    requests = [{"add": key}] if is_added else []
+    # The first one makes it a linkage of bodies.
+    for request in [*requests, {"build": {"do": "rename", "old": list(bodies)[-1], "new": "first"}}]:
+        reply = answer(text, {}, request)
+        assert not reply["limit"] and not reply["problems"]
+        text = reply["text"]
+    known = {"first", *bodies, *(point for points in bodies.values() for point in points)}
+    # The last name that is valid, where one may be left out.
+    fields = getattr(getattr(recipe, key), "__dataclass_fields__", {}).values() if is_added else ()
+    optional = [field.name for field in fields if field.default == ""]
+    for field, name in product(optional, sorted(known)):
+        reply = answer(text, {}, {"set": {f"{key}.{field}": name}})
+        text = text if reply["problems"] else reply["text"]
+    words, before = words_in(tomllib.loads(text)[key]), numbers_of(text)
+    named = known & {*words} - {*optional}
+    assert not optional or named
+    for name in named:
+        reply = answer(text, {}, {"build": {"do": "rename", "old": name, "new": "second"}})
+        assert not reply["limit"] and not reply["problems"]
+        assert sorted(words_in(tomllib.loads(reply["text"])[key])) == sorted(
+            "second" if word == name else word for word in words
+        )
+        assert numbers_of(reply["text"]) == pytest.approx(before, rel=1e-6, abs=1e-7, nan_ok=True)
 
 
 def certified(table, tmp_path):
@@ -225,7 +351,7 @@ def certified(table, tmp_path):
     assert all(certificate.passed for certificate in gk.verify(tmp_path))
 
 
-WAYS = (alone, in_machine, scaled, inches, swept, optimised, in_studio, certified)
+WAYS = (alone, in_machine, scaled, inches, swept, optimised, in_studio, renamed, certified)
 PAIRS = [(kind, aspect) for kind in kind_names() for aspect in (None, *ASPECTS) if not aspect or offers(kind, aspect)]
 
 

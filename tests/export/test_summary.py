@@ -1,6 +1,7 @@
 """Sizes that summary.json states, against the files beside it."""
 
 import json
+from dataclasses import replace
 
 import ezdxf
 import numpy as np
@@ -9,9 +10,13 @@ import shapely
 import trimesh
 
 import geomkin as gk
+from geomkin.build import _data
 from geomkin.export.job import Job, StaticSource
 from geomkin.export.summary import summary
+from geomkin.recipe.kinds import kind_names
+from geomkin.recipe.load import from_table
 from tests.campaign import by_default
+from tests.texts import recipe_of
 
 RECIPE = """
 kind = "four-bar"
@@ -82,3 +87,14 @@ def test_parts_are_reported_with_exact_and_written_sizes():
             assert two["written_volume_mm3"] == pytest.approx(480)
         hands = {"numpy", "geomkin"} | ({"shapely"} if more else set()) | ({"ezdxf"} if more == "both" else set())
         assert set(data["versions"]) == hands and all(data["versions"].values())
+
+
+@pytest.mark.parametrize("kind", by_default(kind_names(), ["four-bar", "machine", "disk-cam", "path-generator"]))
+def test_a_summary_leaves_out_what_is_off_by_default_and_still_has_the_whole_recipe(kind):
+    recipe = recipe_of(kind)
+    data = _data(recipe)
+    assert from_table(data) == recipe
+    # So a new key, off by default, changes no summary and no stamp of a recipe without it.
+    assert not [key for key, value in data.items() if value is None or value is False]
+    if kind == "four-bar":
+        assert _data(replace(recipe, both_modes=True)) == data | {"both_modes": True}

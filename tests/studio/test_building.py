@@ -214,6 +214,16 @@ def test_a_new_name_changes_no_motion(old, new):
         built(Draft(text, {}), {"do": "rename", "old": old, "new": "bar_1"})
 
 
+def test_a_body_with_the_name_of_a_key_is_renamed_and_deleted_and_the_key_stays():
+    text = built_by(*FOUR_BAR)
+    rename = [{"do": "rename", "old": "bar_2", "new": "output"}, {"do": "rename", "old": "output", "new": "lever"}]
+    text = built(Draft(text, {}), rename[0])
+    text = answer(text, {}, {"set": {"dwell": {"output": "output", "band_deg": 5}}})["text"]
+    assert tomllib.loads(built(Draft(text, {}), rename[1]))["dwell"] == {"output": "lever", "band_deg": 5}
+    text = answer(text, {}, {"set": {"dwell.output": "crank"}})["text"]
+    assert tomllib.loads(built_by(("delete", body("output")), text=text))["dwell"]["output"] == "crank"
+
+
 def test_inches_and_a_scale_are_those_of_the_text():
     text = EMPTY.replace("\n\n[linkage]", '\nunits = "in"\nscale = 0.5\n\n[linkage]')
     reply = build(text, "bar", at(0, 0), at(25.4, 12.7), step=0.25)
