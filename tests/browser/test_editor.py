@@ -373,14 +373,32 @@ def test_a_click_on_a_picture_chooses_a_linkage(studio):
 def test_arithmetic_and_units_are_typed(studio):
     editor = studio(FOUR_BAR)
     page = editor.page
-    for typed, number in (("2*15.5", 31), ("(10 + 52)/2", 31), ("3.2 cm", 32), ("1/4 in + 25 mm", 31.35), ("3e1", 30)):
+    typed_numbers = {
+        "2*15.5": 31,
+        "(10 + 52)/2": 31,
+        "3.2 cm": 32,
+        "1/4 in + 25 mm": 31.35,
+        "(20 mm + 1e1)*(3 cm)/(30 mm)": 30,
+    }
+    for typed, number in typed_numbers.items():
         fill(page, "linkage.crank", typed)
         assert value(page, "linkage.crank") == pytest.approx(number)
     fill(page, "linkage.ground_angle_deg", "0.5 rad")
     assert value(page, "linkage.ground_angle_deg") == pytest.approx(np.degrees(0.5))
-    for wrong in ("2*", "3 deg", "alert(1)", "1 2"):
-        fill(page, "linkage.crank", wrong)
+    fill(page, "drive.start_deg", "180° - 1 rad*3/3 - 90/2 deg")
+    assert value(page, "drive.start_deg") == pytest.approx(135 - np.degrees(1))
+    wrong_of = {
+        "linkage.crank": "2*|3 deg|0.5 rad|alert(1)|1 2|30 mm mm|(30 mm) mm|3 mm * 10 mm|30/(1 mm)|30 N",
+        "drive.start_deg": "10 mm",
+        "drive.speed_rpm": "60 deg",
+    }
+    for key, wrong in ((key, wrong) for key, texts in wrong_of.items() for wrong in texts.split("|")):
+        fill(page, key, wrong)
         assert page.locator(".field.wrong").count() == 1
+        # What is advised is taken.
+        advised = page.inner_text(".field.wrong .problem").split(" or ")[-1]
+        fill(page, key, advised)
+        assert value(page, key) > 0 and not page.locator(".field.wrong").count()
 
 
 def test_escape_cancels_a_drag(studio):
