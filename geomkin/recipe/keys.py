@@ -45,8 +45,8 @@ def edited_text(text: str, changes: Mapping[str, Any]) -> str:
 
     The index after the last row of a list adds a row.
 
-    Raises DesignError as `with_values`, and for a row of tables that is to be something else; RecipeError if the text is
-    not TOML.
+    Raises RecipeError if the text is not TOML, and DesignError as `with_values` and for a row of tables that is to be
+    something else.
     """
     try:
         document = tomlkit.parse(text)

@@ -494,6 +494,10 @@ def test_the_gallery_is_searched_by_words(studio):
         assert page.locator(f'#kinds .card:visible:has(b:text-is("{kind}"))').count() == 1
         assert page.locator("#kinds .card:visible").count() < 6
         assert page.is_visible("#no-match") == ("xyzzy" in wish)
+    for wish, most in (("windscreen wiper", 4), ("xyzzy gears", 0)):
+        page.fill("#search", wish)
+        names = page.locator(".card:visible b").all_inner_texts()
+        assert len(names) <= most and ("wiper" in names) == (most > 0)
     # A recipe of the gallery is a new one, without a file.
     page.fill("#search", "klann")
     page.click("#examples .card:visible >> nth=0")
