@@ -552,6 +552,43 @@ def test_nothing_is_below_the_fold_of_a_desk(studio, width, height):
     assert box["width"] * box["height"] > 0.6 * width * height
 
 
+def test_a_family_of_solutions_leaves_the_drawing_its_height(studio):
+    page = studio((RECIPES / "three-poses.toml").read_text(), viewport={"width": 1280, "height": 720}).page
+    parts = [".stages", ".controls", ".switches", "#player .right", "#choice"]
+    for width, height in ((1280, 720), (1366, 768), (1440, 900)):
+        page.set_viewport_size({"width": width, "height": height})
+        stage, controls, switches, plots, family = (page.locator(part).bounding_box() for part in parts)
+        assert stage["height"] > 0.4 * height
+        # One below the other, the family beside the plots.
+        for above, below in ((stage, controls), (controls, switches), (switches, plots), (switches, family)):
+            assert above["y"] + above["height"] <= below["y"]
+        assert plots["x"] + plots["width"] < family["x"]
+        assert max(box["y"] + box["height"] for box in (plots, family)) <= height
+        page.locator("#player .more").scroll_into_view_if_needed()
+        more = page.locator("#player .more").bounding_box()
+        assert plots["y"] <= more["y"] and more["y"] + more["height"] <= height
+
+
+def test_plots_of_another_recipe_are_different_ones(studio):
+    page = studio((RECIPES / "crank-rocker.toml").read_text()).page
+
+    def shown():
+        chosen = "all => all.map(select => select.selectedOptions[0].textContent)"
+        return page.eval_on_selector_all(".right .plot select", chosen)
+
+    for name in ("roller-cam", "gear-pair", "crank-rocker"):
+        page.click("#new")
+        page.click(f'#examples .card:has(b:text-is("{name}"))')
+        page.wait_for_selector(f'#name:has-text("new {name}")')
+        page.wait_for_selector("body[data-checked]")
+        settle(page)
+        assert len(shown()) == 2 and len({*shown()}) == 2, name
+    page.select_option(".right .plot select >> nth=0", index=2)
+    kept = shown()[0]
+    fill(page, "linkage.crank", "45")
+    assert shown()[0] == kept and shown()[1] != kept
+
+
 def test_a_drag_crosses_a_change_point(studio):
     page = studio(FOUR_BAR).page
     assert not page.locator(".limited").count()
