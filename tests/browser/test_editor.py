@@ -475,6 +475,18 @@ def test_every_button_adds_a_table_or_gives_the_reason(studio):
     assert page.locator(".face circle").count() > 4 and not page.locator(".stale").count()
 
 
+def test_a_table_of_defaults_is_removed_once(studio):
+    editor = studio(FOUR_BAR + "[drive]\n# Nothing else.\n\n[files.title]\n")
+    page = editor.page
+    page.evaluate("for (const group of document.querySelectorAll('#form details')) group.open = true")
+    for left in (["files", "files.title"], []):
+        page.click("#form .remove >> nth=0")
+        settle(page)
+        parts = page.locator("#form details:has(> .remove)")
+        assert parts.evaluate_all("all => all.map(part => part.dataset.key)") == left
+    assert save(editor).strip() == FOUR_BAR.strip()
+
+
 def test_the_gallery_is_searched_by_words(studio):
     page = studio("").page
     page.wait_for_selector("#examples .card")

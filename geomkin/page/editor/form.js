@@ -35,7 +35,8 @@ export class Form {
   show(values, saved, text, unavailable) {
     Object.assign(this, { values, saved, text, unavailable });
     const entries = Object.entries(values).map(([key, value]) => [key, key.endsWith("motor") ? value : shapeOf(value)]);
-    const shape = JSON.stringify([entries, unavailable]);
+    // What the text states can be removed.
+    const shape = JSON.stringify([entries, unavailable, text.match(/^\s*\[+[^\]]*/gm)]);
     if (shape !== this.shape) this.build(shape);
     else for (const field of this.fields.values()) this.refresh(field);
   }
