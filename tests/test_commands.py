@@ -16,7 +16,16 @@ from geomkin.build import check_recipe
 from geomkin.core.errors import Problem
 from geomkin.recipe.kinds import kind_names
 from geomkin.recipe.load import plain_table
-from geomkin.recipe.search import ALSO_KNOWN_AS, ENDINGS, FILLERS, NOT_OFFERED, STEM, did_you_mean, nearest_kind
+from geomkin.recipe.search import (
+    ALSO_KNOWN_AS,
+    ENDINGS,
+    FILLERS,
+    MOST_RECIPES,
+    NOT_OFFERED,
+    STEM,
+    did_you_mean,
+    nearest_kind,
+)
 
 GALLERY = Path(__file__).parent.parent / "recipes"
 PAIR = str(Path(__file__).parent / "cases/pair-without-backlash.toml")
@@ -244,6 +253,8 @@ def test_a_list_of_an_id_leads_to_its_explanation(command):
         ("list", "a wiper that sweeps 80 degrees", "boxed-wiper.toml", 1),
         ("examples", "something that dwells", "geneva.toml", 20),
         ("examples", "a cam with springs", "loaded-cam.toml", 8),
+        ("list", "a windscreen wiper", "wiper.toml", 4),
+        ("examples", "windscreen wiper", "wiper.toml", 4),
     ],
 )
 def test_a_wish_finds_what_has_most_of_its_words(command, command_name, wish, one, most):
@@ -252,18 +263,23 @@ def test_a_wish_finds_what_has_most_of_its_words(command, command_name, wish, on
     assert code == 0 and one in found and len(found) <= most
 
 
+@pytest.mark.parametrize("wish", ["xyzzy gear", "xyzzy quux wiper", "xyzzy quux"])
+def test_half_of_a_wish_finds_a_few_or_nothing(command, wish):
+    assert command("list", wish)[0] == command("examples", wish)[0] == 2
+
+
 def test_the_pages_search_by_the_same_words():
     script = (Path(gk.__file__).parent / "page/player/search.js").read_text("utf-8")
-    parts = r'Set\("(.*?)"\.split.*?ENDINGS = \[(.*?)\], STEM = (\d)'
-    fillers, endings, stem = re.search(parts, script, re.DOTALL).groups()
-    assert {*fillers.split()} == FILLERS and int(stem) == STEM
+    parts = r'Set\("(.*?)"\.split.*?ENDINGS = \[(.*?)\], STEM = (\d);.*?MOST = (\d)'
+    fillers, endings, stem, most = re.search(parts, script, re.DOTALL).groups()
+    assert {*fillers.split()} == FILLERS and int(stem) == STEM and int(most) == MOST_RECIPES
     assert tuple(re.findall(r"\w+", endings)) == ENDINGS
 
 
-@pytest.mark.parametrize("words", [("new", "worm-gear"), ("list", "worm gear")])
+@pytest.mark.parametrize("words", [("new", "worm-gear"), ("list", "worm gear"), ("list", "hooke joint")])
 def test_what_no_kind_makes_names_the_nearest_ones(words):
     result = CliRunner().invoke(commands.cli, words)
-    kinds = NOT_OFFERED["worm"].split(" or ")
+    kinds = NOT_OFFERED[re.findall(r"\w+", words[1])[0]].split(" or ")
     assert result.exit_code == 2 and set(kinds) < set(kind_names())
     assert all(kind in result.output for kind in kinds)
 

@@ -46,7 +46,8 @@ def edited_text(text: str, changes: Mapping[str, Any]) -> str:
 
     The index after the last row of a list adds a row.
 
-    Raises DesignError as `with_values`, if the text is not TOML, and for a row of tables that is to be something else.
+    Raises RecipeError if the text is not TOML, and DesignError as `with_values` and for a row of tables that is to be
+    something else.
     """
     try:
         document = tomlkit.parse(text)
@@ -56,6 +57,8 @@ def edited_text(text: str, changes: Mapping[str, Any]) -> str:
             _set(document, key, value)
         return tomlkit.dumps(document)
     except (TOMLKitError, RecursionError) as error:
+        # Its problem names what is wrong in the line.
+        parsed(text)
         raise DesignError("", f"the text cannot be edited ({error})", "correct it", "invalid-toml") from None
 
 

@@ -63,30 +63,38 @@ FILLERS = frozenset(
     )
 )
 ENDINGS, STEM = ("ing", "ed", "es", "s"), 4
+# Largest number of recipes of the gallery that a message names, and of texts that half of a wish finds.
+MOST_RECIPES = 8
 
 
 def wished(wish: str, texts: Mapping[str, str]) -> list[str]:
-    """Names of the texts with all words of a wish or, if none has, with most of them; else none."""
+    """Names of the texts with all words of a wish or, if none has, with most of them; else none.
+
+    Half of them is enough if a word is in the name, for a few.
+    """
     words = WORD.findall(wish.casefold())
     wanted = [_stem(word) for word in [word for word in words if word not in FILLERS] or words]
-    counts = dict.fromkeys(texts, 0)
-    for name, text in texts.items():
+
+    def count(text: str) -> int:
         known = set(WORD.findall(text.casefold()))
         # A short word is a whole one.
-        counts[name] = sum(
+        return sum(
             word in known if len(word) < 3 else any(other.startswith(word) for other in known) for word in wanted
         )
+
+    counts = {name: count(text) for name, text in texts.items()}
     most = max(counts.values(), default=0)
-    return [name for name in texts if counts[name] == most] if 2 * most > len(wanted) or not wish else []
+    best = [name for name in texts if counts[name] == most]
+    if 2 * most > len(wanted) or not wish:
+        return best
+    named = [name for name in best if 2 * most == len(wanted) and count(name)]
+    # Of what no kind makes a message names the nearest.
+    return named if len(named) <= MOST_RECIPES and NOT_OFFERED.keys().isdisjoint(words) else []
 
 
 def _stem(word: str) -> str:
     ending = next((end for end in ENDINGS if word.endswith(end) and len(word) - len(end) >= STEM), "")
     return word.removesuffix(ending)
-
-
-# Largest number of recipes of the gallery that a message names.
-MOST_RECIPES = 8
 
 
 def nearest_kind(name: object, kinds: Iterable[str]) -> str:

@@ -176,7 +176,7 @@ def _force(structure: Structure, clicks: Clicks) -> Structure:
     structure, point = clicks.point(0, structure)
     point, body = _held_point(structure, replace(clicks, on=[{"point": point}]))
     arm = complex(np.exp(1j * np.radians(clicks.angle(1, structure.places[point]))))
-    force = [to_digits(FORCE * part, 3) for part in (arm.real, arm.imag)]
+    force = [round(FORCE * part, 2) + 0.0 for part in (arm.real, arm.imag)]
     return replace(structure, loads=(*structure.loads, ("forces", {"body": body, "point": point, "force_n": force})))
 
 

@@ -373,14 +373,32 @@ def test_a_click_on_a_picture_chooses_a_linkage(studio):
 def test_arithmetic_and_units_are_typed(studio):
     editor = studio(FOUR_BAR)
     page = editor.page
-    for typed, number in (("2*15.5", 31), ("(10 + 52)/2", 31), ("3.2 cm", 32), ("1/4 in + 25 mm", 31.35), ("3e1", 30)):
+    typed_numbers = {
+        "2*15.5": 31,
+        "(10 + 52)/2": 31,
+        "3.2 cm": 32,
+        "1/4 in + 25 mm": 31.35,
+        "(20 mm + 1e1)*(3 cm)/(30 mm)": 30,
+    }
+    for typed, number in typed_numbers.items():
         fill(page, "linkage.crank", typed)
         assert value(page, "linkage.crank") == pytest.approx(number)
     fill(page, "linkage.ground_angle_deg", "0.5 rad")
     assert value(page, "linkage.ground_angle_deg") == pytest.approx(np.degrees(0.5))
-    for wrong in ("2*", "3 deg", "alert(1)", "1 2"):
-        fill(page, "linkage.crank", wrong)
+    fill(page, "drive.start_deg", "180° - 1 rad*3/3 - 90/2 deg")
+    assert value(page, "drive.start_deg") == pytest.approx(135 - np.degrees(1))
+    wrong_of = {
+        "linkage.crank": "2*|3 deg|0.5 rad|alert(1)|1 2|30 mm mm|(30 mm) mm|3 mm * 10 mm|30/(1 mm)|30 N",
+        "drive.start_deg": "10 mm",
+        "drive.speed_rpm": "60 deg",
+    }
+    for key, wrong in ((key, wrong) for key, texts in wrong_of.items() for wrong in texts.split("|")):
+        fill(page, key, wrong)
         assert page.locator(".field.wrong").count() == 1
+        # What is advised is taken.
+        advised = page.inner_text(".field.wrong .problem").split(" or ")[-1]
+        fill(page, key, advised)
+        assert value(page, key) > 0 and not page.locator(".field.wrong").count()
 
 
 def test_escape_cancels_a_drag(studio):
@@ -457,6 +475,18 @@ def test_every_button_adds_a_table_or_gives_the_reason(studio):
     assert page.locator(".face circle").count() > 4 and not page.locator(".stale").count()
 
 
+def test_a_table_of_defaults_is_removed_once(studio):
+    editor = studio(FOUR_BAR + "[drive]\n# Nothing else.\n\n[files.title]\n")
+    page = editor.page
+    page.evaluate("for (const group of document.querySelectorAll('#form details')) group.open = true")
+    for left in (["files", "files.title"], []):
+        page.click("#form .remove >> nth=0")
+        settle(page)
+        parts = page.locator("#form details:has(> .remove)")
+        assert parts.evaluate_all("all => all.map(part => part.dataset.key)") == left
+    assert save(editor).strip() == FOUR_BAR.strip()
+
+
 def test_the_gallery_is_searched_by_words(studio):
     page = studio("").page
     page.wait_for_selector("#examples .card")
@@ -476,6 +506,10 @@ def test_the_gallery_is_searched_by_words(studio):
         assert page.locator(f'#kinds .card:visible:has(b:text-is("{kind}"))').count() == 1
         assert page.locator("#kinds .card:visible").count() < 6
         assert page.is_visible("#no-match") == ("xyzzy" in wish)
+    for wish, most in (("windscreen wiper", 4), ("xyzzy gears", 0)):
+        page.fill("#search", wish)
+        names = page.locator(".card:visible b").all_inner_texts()
+        assert len(names) <= most and ("wiper" in names) == (most > 0)
     # A recipe of the gallery is a new one, without a file.
     page.fill("#search", "klann")
     page.click("#examples .card:visible >> nth=0")
@@ -528,6 +562,43 @@ def test_nothing_is_below_the_fold_of_a_desk(studio, width, height):
     box = page.locator(".stages").bounding_box()
     assert box["height"] > low + 100 and box["width"] > 0.95 * width
     assert box["width"] * box["height"] > 0.6 * width * height
+
+
+def test_a_family_of_solutions_leaves_the_drawing_its_height(studio):
+    page = studio((RECIPES / "three-poses.toml").read_text(), viewport={"width": 1280, "height": 720}).page
+    parts = [".stages", ".controls", ".switches", "#player .right", "#choice"]
+    for width, height in ((1280, 720), (1366, 768), (1440, 900)):
+        page.set_viewport_size({"width": width, "height": height})
+        stage, controls, switches, plots, family = (page.locator(part).bounding_box() for part in parts)
+        assert stage["height"] > 0.4 * height
+        # One below the other, the family beside the plots.
+        for above, below in ((stage, controls), (controls, switches), (switches, plots), (switches, family)):
+            assert above["y"] + above["height"] <= below["y"]
+        assert plots["x"] + plots["width"] < family["x"]
+        assert max(box["y"] + box["height"] for box in (plots, family)) <= height
+        page.locator("#player .more").scroll_into_view_if_needed()
+        more = page.locator("#player .more").bounding_box()
+        assert plots["y"] <= more["y"] and more["y"] + more["height"] <= height
+
+
+def test_plots_of_another_recipe_are_different_ones(studio):
+    page = studio((RECIPES / "crank-rocker.toml").read_text()).page
+
+    def shown():
+        chosen = "all => all.map(select => select.selectedOptions[0].textContent)"
+        return page.eval_on_selector_all(".right .plot select", chosen)
+
+    for name in ("roller-cam", "gear-pair", "crank-rocker"):
+        page.click("#new")
+        page.click(f'#examples .card:has(b:text-is("{name}"))')
+        page.wait_for_selector(f'#name:has-text("new {name}")')
+        page.wait_for_selector("body[data-checked]")
+        settle(page)
+        assert len(shown()) == 2 and len({*shown()}) == 2, name
+    page.select_option(".right .plot select >> nth=0", index=2)
+    kept = shown()[0]
+    fill(page, "linkage.crank", "45")
+    assert shown()[0] == kept and shown()[1] != kept
 
 
 def test_a_drag_crosses_a_change_point(studio):

@@ -374,6 +374,14 @@ def test_a_load_that_the_linkage_cannot_have_is_refused_by_its_key(loads, key, i
     assert (key, id) in problems(loads)
 
 
+@pytest.mark.parametrize("table", [{"loads": {}}, {"both_modes": True}, {"tolerances": {"of": "C"}}])
+def test_bodies_that_no_driver_moves_are_refused_by_their_key_below_the_linkage(table):
+    bodies = {"ground": {"A": [0, 0]}, "crank": {"A": [0, 0], "B": [30, 0]}, "bar": {"B": [30, 0], "C": [70, 50]}}
+    with pytest.raises(gk.RecipeError) as error:
+        gk.load({"kind": "linkage", "linkage": {"driver": "crank", "bodies": bodies}, **table})
+    assert [found.key for found in error.value.problems] == ["linkage.bodies"]
+
+
 def test_an_unknown_key_about_loads_names_their_table():
     with pytest.raises(gk.RecipeError, match=r"\[loads\]"):
         gk.load({"kind": "four-bar", "linkage": BARS, "gravity": 9.81})

@@ -157,10 +157,23 @@ def test_a_pin_in_a_guide_of_the_ground_stays_on_its_line():
     assert np.allclose(recipe.motion.point("C").position.imag, 20)
 
 
+@pytest.mark.parametrize("load", [("force", point("C"), at(10, -50)), ("spring", at(-40, 60), point("C"))])
+def test_a_linkage_with_a_load_is_drawn_until_it_moves(load):
+    text = built_by(*FOUR_BAR[:3])
+    for do, *on in (("bar", point("C"), at(70, 60)), load):
+        reply = build(text, do, *on)
+        text = reply["text"]
+        assert reply["scene"] and reply["unfinished"] and not reply["problems"]
+    reply = build(text, "bar", point("D"), point("B"))
+    assert not reply["problems"] and not reply["unfinished"]
+    loads = gk.load(reply["text"]).loads
+    assert len(loads.forces) + len(loads.springs) == 1
+
+
 def test_deleting_removes_what_is_nothing_without_it():
     text = built_by(*FOUR_BAR, ("dyad", point("E"), at(100, 90), at(60, 110)), ("force", point("E"), at(30, 0)))
     (force,) = gk.load(text).loads.forces
-    assert (force.body, force.point) == ("bar_1", "E") and force.force_n == pytest.approx((0, -10))
+    assert (force.body, force.point) == ("bar_1", "E") and force.force_n == (0, -10)
     text = built_by(("delete", point("G")), ("delete", point("E")), text=text)
     # The force was on that point.
     recipe = gk.load(text)

@@ -150,6 +150,15 @@ def test_a_text_that_is_not_toml_is_kept():
             assert reply["problems"] and (text in reply["text"] or not text)
 
 
+@pytest.mark.parametrize("wrong", ["nonsense", "offset = ", "offset = yes", "crank = 3", "[linkage]", '"'])
+def test_a_change_of_a_text_that_is_not_toml_states_the_same_problem_as_the_text(wrong):
+    text = FOUR_BAR + wrong
+    (problem,) = answer(text, {}, {})["problems"]
+    for request in ({"set": {"linkage.crank": 33}}, {"set": {"linkage.crank": None}}, {"add": "loads"}):
+        reply = answer(text, {}, request)
+        assert reply["problems"] == [problem] and reply["text"] == text
+
+
 def test_an_item_of_a_list_that_is_left_out_is_written_with_the_whole_list():
     text = 'kind = "four-bar"\n[linkage]\nground = 100\ncrank = 30\ncoupler = 90\nrocker = 70\n'
     reply = answer(text, {}, {"set": {"linkage.origin[1]": 5, "files.write[0]": "svg"}})

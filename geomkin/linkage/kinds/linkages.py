@@ -8,6 +8,7 @@ from functools import cached_property, partial
 from typing import Any, ClassVar
 
 from ...core.errors import DesignError
+from ...core.field_visitor import key_parts
 from ...core.fields import entry, to_digits
 from ...core.records import record
 from ...core.units import UNITS
@@ -131,8 +132,16 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
             problem = "found snap, but copies share rods"
             raise DesignError("printing.pins", problem, 'give "bought", or omit copies and foot', "conflict")
         self.input_range.check_rows(self.made.most_columns + sum(aspect.most_columns for aspect in self.aspects))
-        for aspect in self.aspects:
-            aspect.check()
+        try:
+            for aspect in self.aspects:
+                aspect.check()
+        except DesignError as error:
+            name = key_parts(error.field)[0]
+            if name in self.__dataclass_fields__:
+                raise
+            # The motion, which some of them need, names a field of the linkage.
+            key = f"linkage.{error.field}" if hasattr(self.linkage, str(name)) else "linkage"
+            raise error.named(key) from None
 
     @cached_property
     def made(self) -> MadeLinkage:

@@ -35,7 +35,8 @@ export class Form {
   show(values, saved, text, unavailable) {
     Object.assign(this, { values, saved, text, unavailable });
     const entries = Object.entries(values).map(([key, value]) => [key, key.endsWith("motor") ? value : shapeOf(value)]);
-    const shape = JSON.stringify([entries, unavailable]);
+    // What the text states can be removed.
+    const shape = JSON.stringify([entries, unavailable, text.match(/^\s*\[+[^\]]*/gm)]);
     if (shape !== this.shape) this.build(shape);
     else for (const field of this.fields.values()) this.refresh(field);
   }
@@ -225,7 +226,7 @@ export class Form {
     if (entry.table !== undefined) { this.editor.add(`${entry.table}=${JSON.parse(input.value)}`); return; }
     if (input.value === OWN) { this.editor.add(entry.key); return; }
     const value = valueOf(input);
-    if (value === undefined) { this.showProblems([{ key: entry.key, problem: "this is no number", remedy: "type one, such as 12.5, 2*15 or 1/4 in" }]); return; }
+    if (value === undefined) { this.showProblems([{ key: entry.key, ...noNumber(input.dataset.unit) }]); return; }
     if (value === null && !entry.optional) { this.showProblems([{ key: entry.key, problem: "a value is needed", remedy: entry.help }]); return; }
     const point = entry.type === "point" && isNumeric(input) && !Array.isArray(this.values[entry.key]);
     const changes = point ? { [entry.key]: entry.inputs.map((other) => valueOf(other) ?? 0) } : { [input.name]: value };
@@ -274,34 +275,45 @@ function valueOf(input) {
 
 const isNumeric = (input) => input.classList.contains("numeric");
 
-// Units that may be typed after a number, in mm or deg.
-const UNITS = { mm: 1, cm: 10, m: 1000, in: 25.4, "\"": 25.4, ft: 304.8, deg: 1, "°": 1, rad: 180 / Math.PI };
+// Units that may be typed after a number: those of lengths, in mm, and those of angles, in deg.
+const UNITS = [{ mm: 1, cm: 10, m: 1000, in: 25.4, "\"": 25.4, ft: 304.8 }, { deg: 1, "°": 1, rad: 180 / Math.PI }];
+const unitsOf = (unit) => UNITS.find((units) => Object.hasOwn(units, unit)) ?? {};
 
 // The number that a text such as `2*15`, `1/4 in` or `(3 + 5)/2` states, in the unit of its field; undefined if none.
 export function amount(text, unit = "") {
   const tokens = text.replaceAll(",", ".").replaceAll("−", "-").match(/(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|[a-z°"]+|\S/gi) ?? [];
-  const take = (wanted) => (wanted.includes(tokens[0]) ? tokens.shift() : "");
+  const take = (wanted) => (wanted.includes(tokens[0]) ? tokens.shift() : ""), units = unitsOf(unit);
+  // Values with the power of their unit, which is 0 or 1 in the end.
   const part = () => {
-    if (take("-")) return -part();
+    if (take("-")) { const [value, power] = part(); return [-value, power]; }
     if (take("+")) return part();
-    if (take("(")) { const value = sum(); return take(")") ? value : NaN; }
-    return Number(tokens.shift() ?? NaN);
+    if (take("(")) { const inner = sum(); return take(")") ? inner : [NaN, 0]; }
+    return [Number(tokens.shift() ?? NaN), 0];
   };
   const product = () => {
-    let value = part();
-    for (let sign; (sign = take(["*", "/"]) || (tokens[0] in UNITS && "unit"));) {
-      if (sign === "unit") value *= UNITS[tokens.shift()] / (UNITS[unit] ?? NaN);
-      else value = sign === "*" ? value * part() : value / part();
+    let [value, power] = part();
+    for (let sign; (sign = take(["*", "/"]) || (Object.hasOwn(units, tokens[0]) && "unit"));) {
+      const [other, more] = sign === "unit" ? [units[tokens.shift()] / units[unit], 1] : part();
+      [value, power] = sign === "/" ? [value / other, power - more] : [value * other, power + more];
     }
-    return value;
+    return [power === 0 || power === 1 ? value : NaN, power];
   };
   const sum = () => {
-    let value = product();
-    for (let sign; (sign = take(["+", "-"]));) value += sign === "+" ? product() : -product();
-    return value;
+    let [value, power] = product();
+    for (let sign; (sign = take(["+", "-"]));) {
+      const [other, more] = product();
+      [value, power] = [value + (sign === "+" ? other : -other), Math.max(power, more)];
+    }
+    return [value, power];
   };
-  const value = sum();
+  const [value] = sum();
   return tokens.length || !isFinite(value) ? undefined : +value.toPrecision(12);
+}
+
+// Why a text states no number for a field.
+function noNumber(unit) {
+  const example = { mm: ", 2*15 or 1/4 in", deg: ", 2*15 or 0.5 rad" }[Object.keys(unitsOf(unit))[0]] ?? " or 2*15";
+  return { problem: `this is no number${unit && ` in ${unit}`}`, remedy: `type one, such as 12.5${example}` };
 }
 
 // A number as it is shown: a long one is rounded, and its exact value stays with the input until another one is typed.

@@ -59,15 +59,19 @@ export class Plots {
     this.falls = row[row.length - 1] < row[0];
   }
 
-  // Plots other data. A card keeps its plot, or the first one if that has no counterpart.
+  // The first plot that no card shows.
+  get free() { return this.data.plots.findIndex((_, k) => !this.cards.some(({ chosen }) => chosen === k)); }
+
+  // Plots other data. A card keeps its plot, or shows the first free one if that has no counterpart.
   load(data) {
     const titles = this.data.plots.map(({ title }) => title);
     const looks = this.cards.map(({ chosen }) => lookOf(this.data, this.data.plots[chosen].columns));
     this.read(data);
     const same = titles.length === data.plots.length && data.plots.every(({ title }, k) => title === titles[k]);
     for (const card of this.cards.splice(data.plots.length)) this.discard(card);
+    for (const card of this.cards) card.chosen = data.plots.findIndex(({ title }) => title === titles[card.chosen]);
+    for (const card of this.cards) if (card.chosen < 0) card.chosen = this.free;
     this.cards.forEach((card, k) => {
-      card.chosen = max(0, data.plots.findIndex(({ title }) => title === titles[card.chosen]));
       if (!same) this.offerPlots(card);
       const { columns } = data.plots[card.chosen];
       if (lookOf(data, columns) !== looks[k]) { this.build(card); return; }
@@ -80,9 +84,7 @@ export class Plots {
   }
 
   add() {
-    const taken = new Set(this.cards.map((card) => card.chosen));
-    const free = this.data.plots.findIndex((_, k) => !taken.has(k));
-    const card = { chosen: max(0, free), root: make(this.grid, "section", { class: "plot", "aria-label": `Plot ${this.cards.length + 1}` }) };
+    const card = { chosen: this.free, root: make(this.grid, "section", { class: "plot", "aria-label": `Plot ${this.cards.length + 1}` }) };
     const head = make(card.root, "div", { class: "head" });
     card.select = make(head, "select", { "aria-label": "What is plotted" });
     this.offerPlots(card);
