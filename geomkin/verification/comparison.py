@@ -472,7 +472,7 @@ def measure_drawing(drawing: Drawing, again: Drawing, parts: Sequence[ExactPart]
         ]
         first = cuts[loops[0]]
         plate = Shape(outlines[0], tuple(outlines[1:]), tuple(marks[k].outline for k in engraved))
-        name = first.group.rpartition("-")[0]
+        name = first.part
         result = _best_part(plate, parts, tolerance, name, left)
         left[result.part] -= 1
         problems += _tab_problems(first.tabs, tabs.get(result.part, first.tabs), tolerance)
@@ -499,10 +499,11 @@ def _made_again(
         first, *holes = (outlines[k] for k in loops)
         plate = Shape(first, tuple(holes), tuple(again.marks[k].outline for k in engraved))
         # Only parts of equal areas are compared.
-        likely = candidates(plate, [part.drawn for part in parts], tolerance)
-        part = parts[likely[0]].part.name if len(likely) == 1 else _best_part(plate, parts, tolerance, "", {}).part
+        likely, line = candidates(plate, [part.drawn for part in parts], tolerance), again.cuts[loops[0]]
+        alone = parts[likely[0]].part.name if len(likely) == 1 else ""
+        part = alone or _best_part(plate, parts, tolerance, line.part, {}).part
         count[part] += 1
-        tabs[part] = again.cuts[loops[0]].tabs
+        tabs[part] = line.tabs
     return count, tabs
 
 

@@ -215,6 +215,11 @@ class Line:
     group: str = ""
     tabs: tuple[float, ...] = ()
 
+    @property
+    def part(self) -> str:
+        """The name of the part that its group stands for; "" if there is none."""
+        return self.group.rpartition("-")[0]
+
 
 @record(eq=False)
 class Drawing:

@@ -3,6 +3,7 @@
 import re
 import shutil
 import zipfile
+from dataclasses import replace
 
 import ezdxf
 import numpy as np
@@ -12,8 +13,8 @@ import geomkin as gk
 from geomkin.plane.primitives import Circle
 from geomkin.recipe.settings import Files
 from geomkin.verification import comparison
-from geomkin.verification.comparison import Mesh, Shape, colliding, exact_part, measure_mesh
-from geomkin.verification.outline import outline_of
+from geomkin.verification.comparison import Mesh, Shape, colliding, exact_part, measure_drawing, measure_mesh
+from geomkin.verification.outline import Drawing, Line, outline_of
 from geomkin.verification.read_back import read_stl
 from tests.verification.damage import RECIPE, wrong
 
@@ -243,3 +244,19 @@ def test_a_plate_of_another_part_is_not_compared(disk, good, monkeypatch):
 
     monkeypatch.setattr(comparison, "likely_positions", likely_positions)
     assert set(wrong(disk)) == {"disk.svg"}
+
+
+@pytest.mark.parametrize("groups", [("a-1", "b-2"), ("", "")])
+def test_parts_of_equal_shape_count_by_their_groups(groups):
+    """Without groups, as in DXF, either of them may be the other one."""
+    parts = [replace(gk.load(BARE).parts[0], name=name) for name in "ab"]
+    exact = [exact_part(part, Files()) for part in parts]
+    lines = [
+        Line(loop.placed(1 + 0j, shift + 0j), "HOLE" if k else parts[0].layer, group)
+        for shift, group in zip((0, 300), groups)
+        for k, loop in enumerate(exact[0].drawn.loops)
+    ]
+    measured = measure_drawing(Drawing(tuple(lines[::-1])), Drawing(tuple(lines)), exact, 0.005)
+    assert len(measured) == 2 and not any(one.problems for one in measured)
+    missing = measure_drawing(Drawing(tuple(lines[: len(lines) // 2])), Drawing(tuple(lines)), exact, 0.005)
+    assert len([one for one in missing if one.problems]) == 1
