@@ -14,8 +14,8 @@ from geomkin.plane.primitives import Circle
 from geomkin.recipe.settings import Files
 from geomkin.verification import comparison
 from geomkin.verification.comparison import Mesh, Shape, colliding, exact_part, measure_drawing, measure_mesh
-from geomkin.verification.outline import Drawing, Line, outline_of
-from geomkin.verification.read_back import read_stl
+from geomkin.verification.outline import Drawing, Line, UnreadableError, outline_of
+from geomkin.verification.read_back import read_stl, read_svg
 from tests.verification.damage import RECIPE, wrong
 
 BARE = f"{RECIPE}labels = false\n".replace('"csv", "bom", "step", "3mf", "glb"', '"3mf"')
@@ -260,3 +260,10 @@ def test_parts_of_equal_shape_count_by_their_groups(groups):
     assert len(measured) == 2 and not any(one.problems for one in measured)
     missing = measure_drawing(Drawing(tuple(lines[: len(lines) // 2])), Drawing(tuple(lines)), exact, 0.005)
     assert len([one for one in missing if one.problems]) == 1
+
+
+@pytest.mark.parametrize("path", ["M3,3", "M3,3 3,3", "M3,3Z"])
+def test_a_line_without_length_is_refused(path):
+    svg = f'<svg xmlns="http://www.w3.org/2000/svg" width="9mm" height="9mm" viewBox="0 0 9 9"><path d="{path}"/></svg>'
+    with pytest.raises(UnreadableError):
+        read_svg(svg.encode(), 0.001)
