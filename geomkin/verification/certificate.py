@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from pathlib import Path
 
 from ..build import computed
@@ -21,6 +21,7 @@ from ..export.cut import LayerStyles
 from ..export.formats import format_in, format_of
 from ..export.summary import CERTIFICATE, FOUND, LAYOUT, NAME, Stamp, read_summary, recipe_hash
 from ..model.machinability import beam_checks, relieved
+from ..plane.vec import box_of
 from ..recipe.load import from_table
 from ..recipe.recipe import AbstractGoal, AbstractRecipe
 from ..recipe.settings import Format
@@ -29,16 +30,17 @@ from .comparison import (
     MOST_PLATES,
     ExactPart,
     Measured,
+    Mesh,
+    colliding,
     exact_part,
     measure_drawing,
     measure_mesh,
-    meeting,
     refuse_more,
     worst_of,
 )  # fmt: skip
 from .made_again import Difference, difference
-from .outline import LARGEST, UnreadableError
-from .read_back import read_3mf, read_dxf, read_stl, read_svg
+from .outline import LARGEST, Drawing, UnreadableError
+from .read_back import content_of, read_3mf, read_dxf, read_stl, read_svg
 
 # Share of the tolerance by which a deviation may exceed it: the error of the measurement itself.
 MEASURED = 2 * FINENESS
@@ -387,13 +389,17 @@ class Content:
 def _dxf(path: Path, expected: Expected) -> Content:
     files, unit = expected.recipe.files, UNITS[expected.recipe.units]
     layers = {name: layer for layer, name in (files.layers or LayerStyles()).names.items()}
-    drawing = read_dxf(path, expected.tolerance * FINENESS / 2, unit.mm).with_layers(layers)
-    return Content(measure_drawing(drawing, expected.parts, expected.tolerance), drawing.stamp, drawing.problems)
+    return _drawn(path, expected, lambda content, error: read_dxf(content, error, unit.mm).with_layers(layers))
 
 
 def _svg(path: Path, expected: Expected) -> Content:
-    drawing = read_svg(path, expected.tolerance * FINENESS / 2)
-    return Content(measure_drawing(drawing, expected.parts, expected.tolerance), drawing.stamp, drawing.problems)
+    return _drawn(path, expected, read_svg)
+
+
+def _drawn(path: Path, expected: Expected, read: Callable[[bytes, float], Drawing]) -> Content:
+    contents, error = (content_of(path), expected.contents[path.name]), expected.tolerance * FINENESS / 2
+    drawing, again = (read(content, error) for content in contents)
+    return Content(measure_drawing(drawing, again, expected.parts, expected.tolerance), drawing.stamp, drawing.problems)
 
 
 def _stl(path: Path, expected: Expected) -> Content:
@@ -407,10 +413,20 @@ def _threemf(path: Path, expected: Expected) -> Content:
     refuse_more(max(len(meshes), len(places)), expected.count, MOST_PLATES, "solids")
     exact = {number: expected.named(mesh.name) for number, mesh in meshes.items()}
     measured = {number: measure_mesh(mesh, exact[number], expected.tolerance) for number, mesh in meshes.items()}
-    outlines = [exact[number].solid.outline.points * turn + shift for number, (turn, shift) in places]
-    if pairs := meeting(outlines):
+    if pairs := colliding([exact[number].solid.placed(*place) for number, place in places]):
         problems.append(f"{len(pairs)} of its solids meet others")
+    # Without a bed, only its corner is known.
+    bed = complex(*(expected.recipe.files.sheet or (inf, inf)))
+    if off := sum(_is_off(meshes[number], place, bed) for number, place in places):
+        problems.append(f"{off} of its solids are not on the bed")
     return Content([measured[number] for number, _ in places], stamp, tuple(problems))
+
+
+def _is_off(mesh: Mesh, place: tuple[complex, complex], bed: complex) -> bool:
+    """Whether a solid is not within the corners of the bed, 0 and `bed`, mm."""
+    turn, shift = place
+    low, high = box_of((mesh.corners[:, 0] + 1j * mesh.corners[:, 1]) * turn + shift)
+    return max(-low.real, -low.imag, high.real - bed.real, high.imag - bed.imag) > mesh.rounding
 
 
 # Readers by format; files of other formats must be those made again.

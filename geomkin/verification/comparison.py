@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
 from math import nan
@@ -15,11 +16,23 @@ from ..core.units import mm
 from ..export.text import lettered
 from ..model.machinability import relieved
 from ..model.part import Part
-from ..plane.region import Edges, containers, gap, is_simple, offset, overlapping
+from ..plane.region import Edges, containers, gap, is_simple, offset, overlap, overlapping
 from ..plane.vec import Complex, Real, Whole, dot
 from ..recipe.printing import Printing
 from ..recipe.settings import Files
-from .outline import EVEN, NODES, WEIGHTS, Drawing, Outline, UnreadableError, deviation, farthest, larger, outline_of
+from .outline import (
+    EVEN,
+    NODES,
+    WEIGHTS,
+    Drawing,
+    Line,
+    Outline,
+    UnreadableError,
+    deviation,
+    farthest,
+    larger,
+    outline_of,
+)
 
 # Highest order of the moments from which a rotation is found: the largest number of teeth of a gear, since the lower
 # moments of a gear are 0.
@@ -36,6 +49,11 @@ STEPS = 12
 SAME = 1e-3
 # Number of parts that are tried if none has the area of the loops: those of the nearest areas.
 TRIED = 2
+# Share of its area, and of the length of its lines, by which a plate that differs more from a part is another one.
+ANOTHER = 0.3
+# Share of their length by which engraved lines may differ from those of the part: more than chords do, and less than
+# one that is engraved twice.
+RETRACED = 0.01
 
 
 @record(eq=False)
@@ -415,23 +433,36 @@ def meeting(loops: Sequence[Complex]) -> list[tuple[int, int]]:
     return [(a, b) for a, b in pairs if gap(loops[a], loops[b]) == 0]
 
 
-def measure_drawing(drawing: Drawing, parts: Sequence[ExactPart], tolerance: float) -> list[Measured]:
-    """The plates of a drawing, each compared with the part that it shows."""
+def colliding(plates: Sequence[Shape]) -> list[tuple[int, int]]:
+    """Pairs of plates that meet, or of which one lies in the material of the other."""
+    outlines = [plate.outline.points for plate in plates]
+    pairs: list[tuple[int, int]] = overlapping(outlines).tolist() if len(outlines) > 1 else []
+    regions = [[plate.outline.points, *(hole.points[::-1] for hole in plate.holes)] for plate in plates]
+    return [(a, b) for a, b in pairs if gap(outlines[a], outlines[b]) == 0 or overlap(regions[a], regions[b])]
+
+
+def measure_drawing(drawing: Drawing, again: Drawing, parts: Sequence[ExactPart], tolerance: float) -> list[Measured]:
+    """The plates of a drawing, each compared with the part that it shows; their numbers and tabs with those made again.
+
+    again: the drawing that the recipe makes.
+    """
     measured: list[Measured] = []
-    open_lines = [line for line in drawing.cuts if not line.outline.closed]
-    if open_lines:
-        place = complex(open_lines[0].outline.points[0])
-        measured.append(Measured("", place=place, problems=(f"{len(open_lines)} lines to cut are not closed",)))
-    cuts = [line for line in drawing.cuts if line.outline.closed and len(line.outline.points) > 2]
-    marks = drawing.marks
+    cuts, marks = [line for line in drawing.cuts if line.outline.closed and line.outline.area], drawing.marks
+    measured += _wrong_lines([line for line in drawing.cuts if not line.outline.closed], "to cut are not closed")
+    flat = [line for line in drawing.cuts if line.outline.closed and not line.outline.area]
+    measured += _wrong_lines(flat, "to cut enclose no area")
     lines = [part.part.count * (len(part.drawn.loops) + len(part.drawn.marks)) for part in parts]
     refuse_more(len(cuts) + len(marks), sum(lines), MOST_LINES, "lines to cut or engrave")
     plates = nested([cut.outline for cut in cuts], [mark.outline for mark in marks])
+    on_parts = {k for _, engraved in plates for k in engraved}
+    measured += _wrong_lines([mark for k, mark in enumerate(marks) if k not in on_parts], "to engrave are on no part")
     sound = [cut.outline.points for cut in cuts if is_simple(cut.outline.points)]
     if pairs := meeting(sound):
         place = complex(sound[pairs[0][1]][0])
         measured.append(Measured("", place=place, problems=(f"{len(pairs)} pairs of lines to cut meet",)))
     refuse_more(len(plates), sum(part.part.count for part in parts), MOST_PLATES, "parts")
+    count, tabs = _made_again(again, parts, tolerance)
+    left = count.copy()
     for loops, engraved in plates:
         outlines = [cuts[k].outline for k in loops]
         problems = [
@@ -439,33 +470,75 @@ def measure_drawing(drawing: Drawing, parts: Sequence[ExactPart], tolerance: flo
             for k, outline in enumerate(outlines)
             if not is_simple(outline.points)
         ]
-        if any(outline.area == 0 for outline in outlines):
-            measured.append(Measured("", place=complex(outlines[0].points[0]), problems=("a line encloses no area",)))
-            continue
+        first = cuts[loops[0]]
         plate = Shape(outlines[0], tuple(outlines[1:]), tuple(marks[k].outline for k in engraved))
-        name = cuts[loops[0]].group.rpartition("-")[0]
-        result = _best_part(plate, parts, tolerance, name)
+        name = first.part
+        result = _best_part(plate, parts, tolerance, name, left)
+        left[result.part] -= 1
+        problems += _tab_problems(first.tabs, tabs.get(result.part, first.tabs), tolerance)
         if name != result.part and name in (part.part.name for part in parts):
             problems.append(f"it is in the group of {printable(name, 60)}")
         exact = next(exact for exact in parts if exact.part.name == result.part)
-        layers = {cuts[loops[0]].layer} - {exact.part.layer} | {cuts[k].layer for k in loops[1:]} - {"HOLE"}
+        layers = {first.layer} - {exact.part.layer} | {cuts[k].layer for k in loops[1:]} - {"HOLE"}
         problems += [f"it is on layer {layer}" for layer in sorted(layers)]
         measured.append(_with(result, problems))
-    return measured
+    return measured + [
+        Measured(name, problems=(f"the drawing has {count[name] - more} of it, and the recipe makes {count[name]}",))
+        for name, more in left.items()
+        if more
+    ]
 
 
-def _best_part(plate: Shape, parts: Sequence[ExactPart], tolerance: float, name: str) -> Measured:
+def _made_again(
+    again: Drawing, parts: Sequence[ExactPart], tolerance: float
+) -> tuple[Counter[str], dict[str, tuple[float, ...]]]:
+    """The number of plates of each part in the drawing that the recipe makes, and the lengths of their tabs, mm."""
+    outlines = [line.outline for line in again.cuts]
+    count, tabs = Counter[str](), dict[str, tuple[float, ...]]()
+    for loops, engraved in nested(outlines, [mark.outline for mark in again.marks]):
+        first, *holes = (outlines[k] for k in loops)
+        plate = Shape(first, tuple(holes), tuple(again.marks[k].outline for k in engraved))
+        # Only parts of equal areas are compared.
+        likely, line = candidates(plate, [part.drawn for part in parts], tolerance), again.cuts[loops[0]]
+        alone = parts[likely[0]].part.name if len(likely) == 1 else ""
+        part = alone or _best_part(plate, parts, tolerance, line.part, {}).part
+        count[part] += 1
+        tabs[part] = line.tabs
+    return count, tabs
+
+
+def _wrong_lines(lines: Sequence[Line], wrong: str) -> list[Measured]:
+    """A result with the number of lines that are wrong in some way; none if there are none."""
+    if not lines:
+        return []
+    return [Measured("", place=complex(lines[0].outline.points[0]), problems=(f"{len(lines)} lines {wrong}",))]
+
+
+def _tab_problems(found: Sequence[float], wanted: Sequence[float], tolerance: float) -> list[str]:
+    """Lengths of tabs, mm, in ascending order; both ends of one may be off by the tolerance."""
+    if len(found) == len(wanted) and all(abs(a - b) <= 2 * tolerance for a, b in zip(found, wanted)):
+        return []
+    return [
+        f"it has {len(found)} tabs, {mm(sum(found)):.5g} long in all, and the one made again {len(wanted)} of "
+        f"{mm(sum(wanted)):.5g}"
+    ]
+
+
+def _best_part(
+    plate: Shape, parts: Sequence[ExactPart], tolerance: float, name: str, left: Mapping[str, int]
+) -> Measured:
     """A plate of a drawing compared with the first part that it fits, or with the one that it fits best.
 
-    name: of the part that is tried first, if one of this name could be it.
+    name: of the part that is tried first, if one of this name could be it; left: numbers of the parts that are not
+    found yet, which are tried next.
     """
     tried: list[Measured] = []
     order = candidates(plate, [part.drawn for part in parts], tolerance)
-    for k in sorted(order, key=lambda k: parts[k].part.name != name):
+    for k in sorted(order, key=lambda k: (parts[k].part.name != name, left.get(parts[k].part.name, 0) <= 0)):
         tried.append(_measured(plate, parts[k].drawn, parts[k].part.name, tolerance))
         if not tried[-1].problems and tried[-1].deviation <= tolerance:
             break
-    return min(tried, key=lambda one: (len(one.problems), one.deviation))
+    return min(tried, key=lambda one: (len(one.problems), one.plate is None, one.deviation))
 
 
 def _with(found: Measured, problems: Sequence[str]) -> Measured:
@@ -474,6 +547,8 @@ def _with(found: Measured, problems: Sequence[str]) -> Measured:
 
 def _measured(plate: Shape, exact: Shape, name: str, tolerance: float) -> Measured:
     """A plate of a file compared with the exact one, at the first position within the tolerance, or at the best."""
+    if problems := _known_problems(plate, exact):
+        return Measured(name, place=complex(plate.outline.points[0]), problems=problems)
     tried: list[Measured] = []
     for turn, shift in likely_positions(plate, exact, tolerance):
         local = plate.placed(turn.conjugate(), -shift * turn.conjugate())
@@ -481,6 +556,18 @@ def _measured(plate: Shape, exact: Shape, name: str, tolerance: float) -> Measur
         if tried[-1].deviation <= tolerance:
             break
     return min(tried, key=lambda one: one.deviation)
+
+
+def _known_problems(plate: Shape, exact: Shape) -> tuple[str, ...]:
+    """What shows without a comparison, which would take long, that a plate is another one."""
+    if len(plate.holes) != len(exact.holes):
+        return (f"it has {len(plate.holes)} holes, but the part has {len(exact.holes)}",)
+    if max(abs(plate.area / exact.area - 1), abs(plate.length / exact.length - 1)) <= ANOTHER:
+        return ()
+    return (
+        f"its lines are {mm(plate.length):.5g} long about {mm(plate.area, unit='mm2'):.5g}, and those of the part "
+        f"{mm(exact.length):.5g} about {mm(exact.area, unit='mm2'):.5g}",
+    )
 
 
 def compared(plate: Shape, exact: Shape, name: str, tolerance: float) -> Measured:
@@ -497,8 +584,13 @@ def compared(plate: Shape, exact: Shape, name: str, tolerance: float) -> Measure
         worst = larger(worst, deviation(nearest, hole, resolution))
     if exact.marks or plate.marks:
         worst = larger(worst, _marks_apart(plate.marks, exact.marks, resolution))
-        if bool(exact.marks) != bool(plate.marks):
-            problems.append("its engraving is missing" if exact.marks else "it is engraved, but the part is not")
+        long, wanted = (sum(mark.length for mark in shape.marks) for shape in (plate, exact))
+        allowed = RETRACED * wanted + 2 * tolerance * len(exact.marks)
+        if len(plate.marks) != len(exact.marks) or abs(long - wanted) > allowed:
+            problems.append(
+                f"it has {len(plate.marks)} engraved lines, {mm(long):.5g} long in all, and the part has "
+                f"{len(exact.marks)} of {mm(wanted):.5g}"
+            )
     return Measured(name, *worst, plate, exact, tuple(problems))
 
 
@@ -536,8 +628,10 @@ def measure_mesh(mesh: Mesh, exact: ExactPart, tolerance: float) -> Measured:
     between = np.minimum(np.minimum(abs(z), abs(z - foot)), abs(z - part.thickness))
     if not part.twist and (between > 4 * mesh.rounding).any():
         problems.append("it has corners between its two faces")
-    if part.twist and (off := _corners_apart(mesh, exact)) > tolerance * (1 + FINENESS) + mesh.rounding:
+    if (off := _corners_apart(mesh, exact)) > tolerance * (1 + FINENESS) + mesh.rounding + foot * CUTS[0]:
         problems.append(f"a corner is {mm(off):.4g} off the curves of the part")
+    if folded := _folded(mesh, part.thickness):
+        problems.append(f"{folded} triangles of its two faces are turned over")
     worst = Measured(name, 0.0)
     sections = [(foot * CUTS[0], bed)] if foot else []
     for height, shape in [*sections, *((height, exact.solid) for height in section_heights(mesh, part, foot))]:
@@ -553,10 +647,24 @@ def measure_mesh(mesh: Mesh, exact: ExactPart, tolerance: float) -> Measured:
     return _with(worst, problems)
 
 
+def _folded(mesh: Mesh, thickness: float) -> int:
+    """Number of horizontal triangles that face down on the upper face or up on the lower one, hence lie over others."""
+    a, b, c = mesh.corners[mesh.faces].swapaxes(0, 1)
+    least = 4 * mesh.rounding
+    is_level = np.ptp(np.stack([a[:, 2], b[:, 2], c[:, 2]]), axis=0) <= least
+    side = np.where(a[:, 2] > thickness / 2, 1.0, -1.0)
+    # Thinner triangles may be turned over by rounding.
+    longest = np.max([np.abs(edge[:, :2]).max(axis=1) for edge in (b - a, c - b, a - c)], axis=0)
+    return int(np.count_nonzero(is_level & (side * np.cross(b - a, c - a)[:, 2] < -least * longest)))
+
+
 def _corners_apart(mesh: Mesh, exact: ExactPart) -> float:
-    """The largest distance of the corners of a twisted part from its curves, with the twist undone or as they are."""
+    """The largest distance of the corners of a solid from its curves, with a twist undone or as they are."""
     twist, points = exact.part.twist, np.ascontiguousarray(mesh.corners[:, :2]).view(complex)[:, 0]
-    assert twist is not None
+    if twist is None:
+        on_bed = mesh.corners[:, 2] < exact.foot / 2
+        pairs = [((exact.bed or exact.solid).loops, points[on_bed]), (exact.solid.loops, points[~on_bed])]
+        return max(float(_edges_of(loops).nearest(z)[1].max(initial=0.0)) for loops, z in pairs)
     pose = twist.at(mesh.corners[:, 2] / exact.part.thickness)
     outline, holes = [exact.solid.outline], list(exact.solid.holes)
     moving, fixed = (outline, holes) if twist.moves == "outline" else (holes, outline)

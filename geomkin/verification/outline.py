@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..core.errors import printable
 from ..core.records import record
 from ..core.units import mm
 from ..plane.curve import AbstractCurve
@@ -204,11 +205,20 @@ class UnreadableError(Exception):
 
 @record(eq=False)
 class Line:
-    """A line of a drawing as a polygon, mm, with the operation that its layer stands for, and the name of its group."""
+    """A line of a drawing as a polygon, mm, with the operation that its layer stands for, and the name of its group.
+
+    tabs: lengths of the tabs that it is joined from, in ascending order, mm.
+    """
 
     outline: Outline
     layer: str
     group: str = ""
+    tabs: tuple[float, ...] = ()
+
+    @property
+    def part(self) -> str:
+        """The name of the part that its group stands for; "" if there is none."""
+        return self.group.rpartition("-")[0]
 
 
 @record(eq=False)
@@ -255,16 +265,20 @@ def _joined(lines: Sequence[Line]) -> list[Line]:
             chain += [] if is_closed else [left.pop(nearest - 1)]
         layers = {pieces[k].layer for k in chain} - {"TAB"}
         points = np.concatenate([pieces[k].outline.points[: -1 if is_closed else None] for k in chain])
-        error = max(pieces[k].outline.error for k in chain)
-        whole.append(Line(Outline(points, error, is_closed), layers.pop() if len(layers) == 1 else "TAB"))
+        outline = Outline(points, max(pieces[k].outline.error for k in chain), is_closed)
+        tabs = tuple(sorted(pieces[k].outline.length for k in chain if pieces[k].layer == "TAB"))
+        layer = layers.pop() if len(layers) == 1 else "TAB"
+        whole.append(Line(outline, layer, pieces[chain[0]].group, tabs))
     return whole
 
 
 def collected(lines: Iterable[Line]) -> tuple[Line, ...]:
-    """All lines; UnreadableError as soon as they have too many vertices."""
+    """All lines; UnreadableError for one of no length, and as soon as they have too many vertices."""
     read: list[Line] = []
     vertices = 0
     for line in lines:
+        if len(line.outline.points) < 2:
+            raise UnreadableError(f"a line on layer {printable(line.layer, 60)} has no length")
         read.append(line)
         vertices += len(line.outline.points)
         if vertices > MOST_VERTICES:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from base64 import b64encode
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from ..core.errors import DesignError, printable, with_article
 from ..plane.vec import Complex
 from ..synthesis.path.svg_drawings import AffineMap, subpaths, tag_of, transform_of, tree_of, view_of
 from .comparison import Mesh, merged
-from .made_again import members
+from .made_again import NUMBER, members
 from .outline import LARGEST, MOST_VERTICES, Drawing, Line, Outline, UnreadableError, circle, collected, polyline
 
 # Lengths of the units in which drawings are written, by their number in the format, mm.
@@ -24,16 +25,16 @@ DXF_UNITS = {1: 25.4, 4: 1.0}
 R12 = "AC1009"
 
 
-def read_dxf(path: Path, error: float, unit: float = 1.0) -> Drawing:
+def read_dxf(content: bytes, error: float, unit: float = 1.0) -> Drawing:
     """The lines of a DXF file, arcs as chords within `error`, mm. unit: of R12, which does not state its own, mm.
 
     UnreadableError if it is no DXF file, or has too many vertices.
     """
-    from ezdxf.filemanagement import readfile
+    from ezdxf.filemanagement import decode_base64
 
     problems: list[str] = []
     try:
-        document = readfile(path)
+        document = decode_base64(b64encode(content))
         entities: list[Any] = list(document.modelspace())
         if document.dxfversion != R12:
             if (units := document.header.get("$INSUNITS", 0)) not in DXF_UNITS:
@@ -94,9 +95,8 @@ LAYERS = ("CUT", "HOLE", "ENGRAVE", "LABEL", "PITCH", "TAB")
 UNIT = re.compile(r"[\d.]+(?:mm|in)")
 
 
-def read_svg(path: Path, error: float) -> Drawing:
+def read_svg(content: bytes, error: float) -> Drawing:
     """The lines of an SVG file, arcs as chords within `error`, mm. UnreadableError if it is no such drawing."""
-    content = _content(path)
     try:
         root = tree_of(content.decode("utf-8"))
         view = view_of(root)
@@ -139,8 +139,7 @@ def _svg_lines(element: Element, view: AffineMap, above: tuple[str, str], error:
         for points, closed in subpaths(element.get("d", ""), error, MOST_VERTICES):
             is_distinct = np.append(True, points[1:] != points[:-1])
             is_distinct[-1] &= not (closed and points[-1] == points[0])
-            if is_distinct.sum() > 1:
-                yield Line(_placed(Outline(points[is_distinct], error, closed), view), layer or "CUT", group)
+            yield Line(_placed(Outline(points[is_distinct], error, closed), view), layer or "CUT", group)
     elif tag == "circle":
         centre = complex(_number(element, "cx"), _number(element, "cy"))
         yield Line(_placed(circle(centre, _number(element, "r"), error), view), layer or "CUT", group)
@@ -154,10 +153,10 @@ def _layer(element: Element) -> str:
 
 
 def _number(element: Element, key: str) -> float:
-    try:
-        return float(element.get(key, "0").removesuffix("mm"))
-    except ValueError:
-        raise UnreadableError(f"the {key} of a circle is not a number") from None
+    text = element.get(key, "0")
+    if not NUMBER.fullmatch(text):
+        raise UnreadableError(f"the {key} of a circle is {printable(text, 40)}, not a number without a unit")
+    return float(text)
 
 
 def _placed(outline: Outline, view: AffineMap) -> Outline:
@@ -180,7 +179,7 @@ def read_stl(path: Path) -> tuple[list[Mesh], list[str], str]:
     mesh: Any = _loaded(path)
     triangles = np.asarray(mesh.triangles, dtype=float)
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    content = _content(path)
+    content = content_of(path)
     # The library replaces normals that are wrong.
     rows = np.frombuffer(content[84:], np.uint8)
     rows = rows.reshape(-1, 50) if len(rows) == 50 * len(normals) else np.zeros((len(normals), 50), np.uint8)
@@ -212,7 +211,7 @@ def read_3mf(path: Path) -> tuple[dict[str, Mesh], list[tuple[str, tuple[complex
 
     A place is a rotation, unit complex, and a shift, mm.
     """
-    text, problems = dict(members(_content(path))).get(MODEL, ""), list[str]()
+    text, problems = dict(members(content_of(path))).get(MODEL, ""), list[str]()
     if "<!" in text:
         raise UnreadableError("its model has a declaration")
     try:
@@ -251,7 +250,8 @@ def _mesh(item: ElementTree.Element, unit: float) -> Mesh | None:
     return Mesh(item.get("name", ""), *merged(points[triangles]))
 
 
-def _content(path: Path) -> bytes:
+def content_of(path: Path) -> bytes:
+    """The content of a file; UnreadableError for a large one."""
     with path.open("rb") as file:
         content = file.read(LARGEST + 1)
     if len(content) > LARGEST:

@@ -14,21 +14,8 @@ import pytest
 
 import geomkin as gk
 from geomkin.core.units import marked
-from geomkin.verification import certificate as module
 from geomkin.verification import comparison, made_again, outline
-from geomkin.verification.made_again import Difference
 from tests.verification.damage import RECIPE, damage_folder, wrong
-
-
-@pytest.fixture
-def measuring(monkeypatch):
-    """Files are measured even if they are the same as those made again."""
-    real = made_again.difference
-
-    def difference(found, expected, kind, measured=False):
-        return real(found, expected, kind, measured) if measured or kind not in module.READERS else Difference(("x",))
-
-    monkeypatch.setattr(module, "difference", difference)
 
 
 def test_good_files_are_made_again(copy):
