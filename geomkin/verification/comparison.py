@@ -447,7 +447,7 @@ def measure_drawing(drawing: Drawing, again: Drawing, parts: Sequence[ExactPart]
     again: the drawing that the recipe makes.
     """
     measured: list[Measured] = []
-    cuts, marks = [line for line in drawing.cuts if line.outline.closed and line.outline.area], drawing.marks
+    cuts, marks = _contours(drawing), drawing.marks
     measured += _wrong_lines([line for line in drawing.cuts if not line.outline.closed], "to cut are not closed")
     flat = [line for line in drawing.cuts if line.outline.closed and not line.outline.area]
     measured += _wrong_lines(flat, "to cut enclose no area")
@@ -489,17 +489,23 @@ def measure_drawing(drawing: Drawing, again: Drawing, parts: Sequence[ExactPart]
     ]
 
 
+def _contours(drawing: Drawing) -> list[Line]:
+    """The lines to cut that enclose an area."""
+    return [line for line in drawing.cuts if line.outline.closed and line.outline.area]
+
+
 def _made_again(
     again: Drawing, parts: Sequence[ExactPart], tolerance: float
 ) -> tuple[Counter[str], dict[str, tuple[float, ...]]]:
     """The number of plates of each part in the drawing that the recipe makes, and the lengths of their tabs, mm."""
-    outlines = [line.outline for line in again.cuts]
+    cuts = _contours(again)
+    outlines = [line.outline for line in cuts]
     count, tabs = Counter[str](), dict[str, tuple[float, ...]]()
     for loops, engraved in nested(outlines, [mark.outline for mark in again.marks]):
         first, *holes = (outlines[k] for k in loops)
         plate = Shape(first, tuple(holes), tuple(again.marks[k].outline for k in engraved))
         # Only parts of equal areas are compared.
-        likely, line = candidates(plate, [part.drawn for part in parts], tolerance), again.cuts[loops[0]]
+        likely, line = candidates(plate, [part.drawn for part in parts], tolerance), cuts[loops[0]]
         alone = parts[likely[0]].part.name if len(likely) == 1 else ""
         part = alone or _best_part(plate, parts, tolerance, line.part, {}).part
         count[part] += 1

@@ -267,3 +267,12 @@ def test_a_line_without_length_is_refused(path):
     svg = f'<svg xmlns="http://www.w3.org/2000/svg" width="9mm" height="9mm" viewBox="0 0 9 9"><path d="{path}"/></svg>'
     with pytest.raises(UnreadableError):
         read_svg(svg.encode(), 0.001)
+
+
+def test_a_picture_of_a_report_is_no_drawing_to_cut(tmp_path):
+    """Its dimensions are open lines."""
+    gear = {"kind": "spur-gear", "gear": {"teeth": 8, "module": 2}, "files": {"write": ["report-md", "sheet-svg"]}}
+    gk.make(gk.load(gear).with_name("gear"), tmp_path)
+    path = tmp_path / "gear/gear-report-drawing.svg"
+    path.write_text(path.read_text().replace("M1", "M2", 1))
+    assert set(wrong(tmp_path / "gear")) == {path.name}
