@@ -240,7 +240,7 @@ def test_fits_that_a_mechanism_does_not_state_are_assumed_once_each():
     assert set(own.assumed_fits) == {"files.kerf", "mechanisms.a.recipe.stock.clearance"}
 
 
-@pytest.mark.parametrize("up", [True, False])
+@pytest.mark.parametrize("up", [pytest.param(True, marks=pytest.mark.campaign), False])
 def test_shaft_that_meets_a_moving_plate_is_found(up):
     """Against polygons of all plates between the joined ones, frame by frame."""
     own = legs(up=up)
