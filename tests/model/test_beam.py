@@ -59,7 +59,9 @@ def test_root_gap_hardly_wider_than_the_kerf(tmp_path):
     """What is left of the roots, measured on the written path: a disk follows it and leaves the roots shallower."""
     recipe = gk.load(CASE)
     gk.write(recipe, tmp_path / "gear.svg")
-    written = next(line.outline for line in read_svg((tmp_path / "gear.svg").read_bytes(), 1e-4).lines if line.layer == "CUT")
+    written = next(
+        line.outline for line in read_svg((tmp_path / "gear.svg").read_bytes(), 1e-4).lines if line.layer == "CUT"
+    )
     z = written.points - written.centroid
     left = shapely.Polygon(np.column_stack([z.real, z.imag])).buffer(-1.1 / 2, quad_segs=64).exterior
     roots = np.abs(recipe.design.outline.point(np.linspace(*recipe.design.outline.breaks[[0, -1]], 20_001))).min()
