@@ -321,11 +321,11 @@ def renamed(table, tmp_path):
     bodies = recipe.linkage.linkage.bodies
     requests = [{"add": key}] if is_added else []
     # The first one makes it a linkage of bodies.
-    for request in [*requests, {"build": {"do": "rename", "old": list(bodies)[-1], "new": "first"}}]:
+    for request in [*requests, {"build": {"do": "rename", "old": list(bodies)[-1], "new": "new_one"}}]:
         reply = answer(text, {}, request)
         assert not reply["limit"] and not reply["problems"]
         text = reply["text"]
-    known = {"first", *bodies, *(point for points in bodies.values() for point in points)}
+    known = {"new_one", *bodies, *(point for points in bodies.values() for point in points)}
     # The last name that is valid, where one may be left out.
     fields = getattr(getattr(recipe, key), "__dataclass_fields__", {}).values() if is_added else ()
     optional = [field.name for field in fields if field.default == ""]
@@ -336,10 +336,10 @@ def renamed(table, tmp_path):
     named = known & {*words} - {*optional}
     assert not optional or named
     for name in named:
-        reply = answer(text, {}, {"build": {"do": "rename", "old": name, "new": "second"}})
+        reply = answer(text, {}, {"build": {"do": "rename", "old": name, "new": "new_two"}})
         assert not reply["limit"] and not reply["problems"]
         assert sorted(words_in(tomllib.loads(reply["text"])[key])) == sorted(
-            "second" if word == name else word for word in words
+            "new_two" if word == name else word for word in words
         )
         assert numbers_of(reply["text"]) == pytest.approx(before, rel=1e-6, abs=1e-7, nan_ok=True)
 
