@@ -262,20 +262,14 @@ def optimise_command(
     with option_errors("--vary"):
         vary = ranges_of(ranges) or None
     minimise = objectives[0] if len(objectives) == 1 else objectives or None
-    ended_by = [f"--time-limit {time_limit:g} s"]
-
-    def interrupt(*_: object) -> None:
-        ended_by[0] = "Ctrl-C"
-        raise KeyboardInterrupt
-
     # Ctrl-C ends the search, not the process.
-    signal.signal(signal.SIGINT, interrupt)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     with ended_if_refused(recipe):
         run = partial(by_processes, fewest=FEWEST_SEARCHES)
         best = optimised(source_of(recipe), vary, minimise, constraints or None, starts, seed, time_limit, out, run)
     for line in best.lines:
         click.echo(harmless(line))
-    note = f", ended by {ended_by[0]} before it was complete" if best.cut_short else ""
+    note = f", ended by Ctrl-C or --time-limit {time_limit:g} s before it was complete" if best.cut_short else ""
     files = [printable(path) for path in best.files]
     more = f" and {len(files) - MOST_NAMED} more" if len(files) > MOST_NAMED else ""
     click.echo(f"{', '.join(files[:MOST_NAMED])}{more}: {best.evaluations:,} designs tried{note}")

@@ -30,17 +30,16 @@ from .comparison import (
     MOST_PLATES,
     ExactPart,
     Measured,
-    Mesh,
     colliding,
     exact_part,
     measure_drawing,
-    measure_mesh,
     refuse_more,
     worst_of,
-)  # fmt: skip
+)
 from .made_again import Difference, difference
 from .outline import LARGEST, Drawing, UnreadableError
 from .read_back import content_of, read_3mf, read_dxf, read_stl, read_svg
+from .solids import Mesh, measure_mesh
 
 # Share of the tolerance by which a deviation may exceed it: the error of the measurement itself.
 MEASURED = 2 * FINENESS

@@ -15,9 +15,9 @@ import numpy as np
 from ..core.errors import DesignError, printable, with_article
 from ..plane.vec import Complex
 from ..synthesis.path.svg_drawings import AffineMap, subpaths, tag_of, transform_of, tree_of, view_of
-from .comparison import Mesh, merged
 from .made_again import NUMBER, members
 from .outline import LARGEST, MOST_VERTICES, Drawing, Line, Outline, UnreadableError, circle, collected, polyline
+from .solids import Mesh, merged
 
 # Lengths of the units in which drawings are written, by their number in the format, mm.
 DXF_UNITS = {1: 25.4, 4: 1.0}

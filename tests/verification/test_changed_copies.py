@@ -58,9 +58,9 @@ def test_a_version_is_a_version(disk):
 
 def test_ends_of_lines_and_a_mark_before_the_first_one_may_change(disk, tmp_path):
     report = {"kind": "spur-gear", "gear": {"teeth": 8, "module": 2}, "files": {"write": ["dxf", "report-md"]}}
-    gk.make(gk.load(report).with_name("told"), tmp_path)
-    certify(tmp_path / "told")
-    for folder in (disk, tmp_path / "told"):
+    gk.make(gk.load(report).with_name("stated"), tmp_path)
+    certify(tmp_path / "stated")
+    for folder in (disk, tmp_path / "stated"):
         texts = [path for path in folder.iterdir() if path.suffix not in (".stl", ".3mf", ".glb")]
         assert len(texts) > 3
         for path in texts:
@@ -76,16 +76,16 @@ def test_ends_of_lines_and_a_mark_before_the_first_one_may_change(disk, tmp_path
 
 def test_a_report_with_earlier_results_says_so(tmp_path):
     report = {"kind": "spur-gear", "gear": {"teeth": 8, "module": 2}, "files": {"write": ["dxf", "svg", "report-md"]}}
-    gk.make(gk.load(report).with_name("told"), tmp_path)
-    certify(tmp_path / "told")
-    (tmp_path / "told/told.dxf").write_text("0\nEOF\n")
-    found = wrong(tmp_path / "told")
-    assert set(found) == {"told.dxf", "told-report.md"}
-    (problem,) = found["told-report.md"].problems
+    gk.make(gk.load(report).with_name("stated"), tmp_path)
+    certify(tmp_path / "stated")
+    (tmp_path / "stated/stated.dxf").write_text("0\nEOF\n")
+    found = wrong(tmp_path / "stated")
+    assert set(found) == {"stated.dxf", "stated-report.md"}
+    (problem,) = found["stated-report.md"].problems
     assert "verification" in problem and "line" not in problem
-    path = tmp_path / "told/told-report.md"
+    path = tmp_path / "stated/stated-report.md"
     path.write_text(path.read_text().replace("module", "modulus"))
-    assert "modulus" in wrong(tmp_path / "told")[path.name].problems[0]
+    assert "modulus" in wrong(tmp_path / "stated")[path.name].problems[0]
 
 
 def test_normals_of_a_text_are_not_compared(disk):

@@ -13,9 +13,10 @@ import geomkin as gk
 from geomkin.plane.primitives import Circle
 from geomkin.recipe.settings import Files
 from geomkin.verification import comparison
-from geomkin.verification.comparison import Mesh, Shape, colliding, exact_part, measure_drawing, measure_mesh
+from geomkin.verification.comparison import Shape, colliding, exact_part, measure_drawing
 from geomkin.verification.outline import Drawing, Line, UnreadableError, outline_of
 from geomkin.verification.read_back import read_stl, read_svg
+from geomkin.verification.solids import Mesh, measure_mesh, merged
 from tests.verification.damage import RECIPE, wrong
 
 BARE = f"{RECIPE}labels = false\n".replace('"csv", "bom", "step", "3mf", "glb"', '"3mf"')
@@ -202,7 +203,7 @@ def solid(written):
 def with_triangles(mesh, corners, removed=()):
     """A mesh less some triangles, with others by their corners (n, 3, 3)."""
     triangles = np.concatenate([np.delete(mesh.corners[mesh.faces], list(removed), axis=0), corners])
-    return Mesh(mesh.name, *comparison.merged(triangles))
+    return Mesh(mesh.name, *merged(triangles))
 
 
 def folded(mesh, height, corner):
