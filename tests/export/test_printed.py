@@ -14,8 +14,9 @@ import geomkin as gk
 from geomkin.build import check_recipe
 from geomkin.plane.flatten import flatten
 from geomkin.plane.vec import xy
-from geomkin.verification.comparison import exact_part, measure_mesh
+from geomkin.verification.comparison import exact_part
 from geomkin.verification.read_back import read_stl
+from geomkin.verification.solids import measure_mesh
 
 GAP, GROWTH, FOOT, TOLERANCE = 0.3, 0.16, 0.4, 0.02
 GEARS = {
