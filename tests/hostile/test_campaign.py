@@ -13,9 +13,9 @@ resource = pytest.importorskip("resource", reason="processes are forked and limi
 from .extremes import attempt, numbers_at_their_ends  # noqa: E402
 from .mutations import GALLERY, campaign  # noqa: E402
 
-COUNT, SEED = int(os.environ.get("HOSTILE_RECIPES", 2000)), int(os.environ.get("HOSTILE_SEED", 1))
+SEED, COUNT, SHARES = 1, 2000, 40
 # Of some 6,000 cases of `extremes.py`; more than these and the campaign takes longer than five minutes.
-EXTREMES = int(os.environ.get("HOSTILE_EXTREMES", 500))
+EXTREMES = 500
 # A recipe that is legal may be much work; none may be more than these, nor may one that is refused.
 # Seconds are of the processor, whatever else the machine does.
 SECONDS, BYTES = 20, 2 << 30
@@ -109,14 +109,14 @@ def tally():
 
 
 @pytest.mark.campaign
-@pytest.mark.parametrize("share", range(8))
+@pytest.mark.parametrize("share", range(SHARES))
 def test_no_spoilt_recipe_escapes_hangs_or_breaks(tmp_path, share, tally, sound):
     import ezdxf  # noqa: F401  loaded once here, so that each process need not
     import shapely  # noqa: F401
 
     made, tried, faults = 0, 0, []
     for number, (name, kind, text) in enumerate(campaign(COUNT, SEED)):
-        if number // 4 % 8 != share:
+        if number // 4 % SHARES != share:
             continue
         home = tmp_path / "one"
         (home / "in").mkdir(parents=True)
@@ -141,13 +141,13 @@ def test_no_spoilt_recipe_escapes_hangs_or_breaks(tmp_path, share, tally, sound)
 
 
 @pytest.mark.campaign
-@pytest.mark.parametrize("share", range(4))
+@pytest.mark.parametrize("share", range(SHARES))
 def test_numbers_at_their_ends_are_made_or_refused(tmp_path, share):
     import ezdxf  # noqa: F401  loaded once here, so that each process need not
     import shapely  # noqa: F401
 
     faults = []
-    for name, text in numbers_at_their_ends(EXTREMES, SEED)[share::4]:
+    for name, text in numbers_at_their_ends(EXTREMES, SEED)[share::SHARES]:
         reported, seconds = attempt(text, tmp_path)
         if reported:
             faults.append(f"{name}: {reported} ({seconds:.1f} s)")

@@ -1,7 +1,6 @@
 """Campaigns: hundreds of damages of files of all kinds are found, and a thousand folders of good files pass."""
 
 import json
-import os
 import random
 import re
 import shutil
@@ -17,18 +16,18 @@ from tests.hostile.mutations import good_recipes, varied
 from tests.verification.damage import damage_folder, made_in_every_format
 
 DAMAGES, DAMAGED_RECIPES, GOOD = 500, 30, 1000
-# A smaller campaign: a share of the damages and good folders.
-SHARE = float(os.environ.get("GEOMKIN_CAMPAIGN_SHARE", "1"))
+SHARES = 40
 
 
-def _folders(tmp_path):
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
     """Folders of recipes of different kinds, each in all formats that it has."""
-    made, names = [], sorted(FIRST_OF_KIND.values())
+    names, good = sorted(FIRST_OF_KIND.values()), tmp_path_factory.mktemp("good")
     random.Random(1).shuffle(names)
     recipes = dict(good_recipes())
-    for name in names[:DAMAGED_RECIPES]:
-        made.append(made_in_every_format(recipes[f"gallery {name}"], name, tmp_path))
-    return made
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(RECIPES)
+        return [made_in_every_format(recipes[f"gallery {name}"], name, good) for name in names[:DAMAGED_RECIPES]]
 
 
 def harmless(order, notes):
@@ -65,12 +64,13 @@ def made_once(monkeypatch):
 
 
 @pytest.mark.campaign
-def test_every_damage_is_found(tmp_path, monkeypatch, made_once):
+@pytest.mark.parametrize("share", range(SHARES))
+def test_every_damage_is_found(tmp_path, monkeypatch, made_once, folders, share):
     monkeypatch.chdir(RECIPES)
-    folders, rng, missed = _folders(tmp_path / "good"), random.Random(9), []
+    missed, tally = [], Counter()
     assert len(folders) == DAMAGED_RECIPES
-    count, tally = int(SHARE * DAMAGES), Counter()
-    for k in range(count):
+    for k in range(share, DAMAGES, SHARES):
+        rng = random.Random(k)
         folder = shutil.copytree(folders[k % len(folders)], tmp_path / "bad" / folders[k % len(folders)].name)
         order = damage_folder(folder, folders, rng)
         suffix = re.search(r"\.(\w+)", order)[1]
@@ -87,20 +87,19 @@ def test_every_damage_is_found(tmp_path, monkeypatch, made_once):
             missed.append((harmless(order, notes), f"{folder.name}/{order}: {notes}"))
             print(k, *missed[-1], flush=True)
         shutil.rmtree(folder)
-        if k % 50 == 49:
-            print(f"{k + 1 - len(missed)} of {k + 1} found", flush=True)
     _stated(tally)
-    print(f"{count - len(missed)} of {count} damages found")
+    print(f"{len(missed)} not found")
     assert all(reason for reason, _ in missed), [order for reason, order in missed if not reason]
 
 
 @pytest.mark.campaign
-def test_good_folders_pass(tmp_path, monkeypatch):
+@pytest.mark.parametrize("share", range(SHARES))
+def test_good_folders_pass(tmp_path, monkeypatch, share):
     """Recipes of all kinds with some numbers changed, many at another scale, in one of three sets of formats."""
     monkeypatch.chdir(RECIPES)
-    rng, recipes, wanted = random.Random(4), good_recipes(), int(SHARE * GOOD)
+    rng, recipes = random.Random(share), good_recipes()[share::SHARES]
     passed, tried, faults, tally = 0, 0, [], Counter()
-    while passed + len(faults) < wanted:
+    while passed + len(faults) < GOOD // SHARES:
         name, recipe = recipes[tried % len(recipes)]
         tried += 1
         recipe = varied(recipe, rng)
@@ -125,8 +124,6 @@ def test_good_folders_pass(tmp_path, monkeypatch):
             )
             print(faults[-1], flush=True)
         shutil.rmtree(tmp_path / made.name)
-        if (passed + len(faults)) % 50 == 0:
-            print(f"{passed} of {passed + len(faults)} pass", flush=True)
     _stated(tally)
     print(f"{passed} of {passed + len(faults)} good folders pass; {tried} recipes tried")
     assert not faults, faults
