@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -94,9 +95,11 @@ def longest_dwell(motion: Motion, output: str, band: PositiveFloat) -> OutputDwe
     t, y = _between(drive[near], value[near], slope[near], LOOKS)
     start, end = _longest(t, y, float(band))
     # Extended to the points at which it leaves the band, at the end and then at the start.
-    t_end, y_end = _leaves_band_at(t, y, end, end + 1, y[start : end + 1], float(band))
-    t_start, y_start = _leaves_band_at(t, y, start, start - 1, np.append(y[start : end + 1], y_end), float(band))
-    inside = np.append(y[start : end + 1], [y_start, y_end])
+    inside = y[start : end + 1]
+    t_end, y_end = _leaves_band_at(t, y, end, end + 1, inside.min(), inside.max(), float(band))
+    inside = np.append(inside, y_end)
+    t_start, y_start = _leaves_band_at(t, y, start, start - 1, inside.min(), inside.max(), float(band))
+    inside = np.append(inside, y_start)
     first = t_start - turn if t_start >= last else t_start
     return OutputDwell(first, first + min(t_end - t_start, turn), float(inside.min()), float(inside.max()))
 
@@ -145,10 +148,22 @@ def _between(drive: Real, value: Real, slope: Real, most: int) -> tuple[Real, Re
 
 def _longest(t: Real, y: Real, band: float) -> tuple[int, int]:
     """First and last of the points between which values stay within a band for longest."""
-    best, longest, start = (0, 0), 0.0, 0
-    low: deque[int] = deque()
-    high: deque[int] = deque()
-    for end, value in enumerate(y.tolist()):
+    best, longest = (0, 0), 0.0
+    for start, end, least, greatest in _windows(y.tolist(), band):
+        if t[end] - t[max(start - 1, 0)] > longest:
+            first, _ = _leaves_band_at(t, y, start, start - 1, least, greatest, band)
+            # Of two that are equal but for rounding the first, on every processor.
+            if t[end] - first > (1 + EQUAL) * longest:
+                best, longest = (start, end), float(t[end] - first)
+    return best
+
+
+def _windows(y: list[float], band: float) -> Iterator[tuple[int, int, float, float]]:
+    """Each range of points, first and last, that leaves a band with its next point; least and greatest value in it."""
+    start, low, high = 0, deque[int](), deque[int]()
+    for end, value in enumerate([*y, np.nan]):
+        if low and (value != value or max(y[high[0]], value) - min(y[low[0]], value) > band):
+            yield start, end - 1, y[low[0]], y[high[0]]
         if value != value:
             start = end + 1
             low.clear()
@@ -165,18 +180,15 @@ def _longest(t: Real, y: Real, band: float) -> tuple[int, int]:
             for queue in (low, high):
                 if queue[0] < start:
                     queue.popleft()
-        if t[end] - t[max(start - 1, 0)] > longest:
-            first, _ = _leaves_band_at(t, y, start, start - 1, y[[low[0], high[0]]], band)
-            # Of two that are equal but for rounding the first, on every processor.
-            if t[end] - first > (1 + EQUAL) * longest:
-                best, longest = (start, end), float(t[end] - first)
-    return best
 
 
-def _leaves_band_at(t: Real, y: Real, inside: int, outside: int, values: Real, band: float) -> tuple[float, float]:
+def _leaves_band_at(
+    t: Real, y: Real, inside: int, outside: int, least: float, greatest: float, band: float
+) -> tuple[float, float]:
     """Point between two neighbouring points at which the value leaves the band."""
     if not 0 <= outside < len(t) or not np.isfinite(y[outside]):
         return float(t[inside]), float(y[inside])
-    border = values.min() + band if y[outside] > y[inside] else values.max() - band
-    share = float(np.clip((border - y[inside]) / (y[outside] - y[inside]), 0, 1)) if y[outside] != y[inside] else 0.0
+    border = least + band if y[outside] > y[inside] else greatest - band
+    share = float((border - y[inside]) / (y[outside] - y[inside])) if y[outside] != y[inside] else 0.0
+    share = min(max(share, 0.0), 1.0)
     return float(t[inside] + share * (t[outside] - t[inside])), float(y[inside] + share * (y[outside] - y[inside]))

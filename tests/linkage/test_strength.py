@@ -8,7 +8,7 @@ import pytest
 import shapely
 
 import geomkin as gk
-from geomkin.linkage.parts.strength import plate_loads, plate_stress
+from geomkin.linkage.parts.strength import plate_loads, plate_sections, plate_stress
 
 STEEL = gk.linkage.LinkStock(thickness=4, bar_width=16, pin_diameter=5, material=gk.making.material("steel-S235"))
 
@@ -85,7 +85,7 @@ def test_stresses_are_those_of_the_other_side_of_each_section():
                 outermost = max(np.abs(s).max() for s in across)
                 stress = np.abs(normal) / area + np.abs(moment) * outermost / inertia
                 worst = np.maximum(worst, stress)
-        found = plate_stress(loads, part, stack.plates[part.name].centres, 1e-3)
+        found = plate_stress(loads, part.body, plate_sections(part, stack.plates[part.name].centres, 1e-3))
         assert found == pytest.approx(worst, rel=2e-3, abs=1e-4 * worst.max())
         largest.append(worst.max())
     # The largest is between two of these frames.

@@ -89,24 +89,45 @@ def plate_loads(analysis: ForceAnalysis) -> PlateLoads:
 
 @record
 class PlateSection:
-    """A section of a plate across the direction `across`. area: mm2. centre: mm. modulus: of bending, mm3."""
+    """A section of a plate through `place`, mm, across the unit `direction`.
 
+    area: mm2. centre: mm. modulus: of bending, mm3. hair: length, mm, that counts as none.
+    """
+
+    place: complex
+    direction: complex
     area: float
     centre: complex
     modulus: float
+    hair: float
 
 
-def section_of(loops: Sequence[Complex], thickness: float, place: complex, direction: complex) -> PlateSection | None:
-    """The section of a plate through a place, at right angles to a direction; None if it misses the plate.
+def plate_sections(part: Part, places: Complex, tolerance: float) -> list[PlateSection]:
+    """Sections of a plate through the centres of its holes and between each two, across the line that joins them.
 
-    loops: points of outline and holes, mm. The line crosses them in pairs of points, between which there is material.
+    tolerance: of its outline, mm.
     """
-    crossings = []
+    loops = [flatten(curve, tolerance) for curve in (part.outline, *part.holes)]
+    shares = np.arange(SECTIONS) / SECTIONS
+    sections = [
+        _section(loops, part.thickness, one + share * (other - one), other - one)
+        for one, other in permutations(places.tolist(), 2)
+        for share in shares.tolist()
+    ]
+    return [section for section in sections if section]
+
+
+def _section(loops: Sequence[Complex], thickness: float, place: complex, along: complex) -> PlateSection | None:
+    """The section at right angles to a line; None if it misses the plate.
+
+    The line of the section crosses outline and holes in pairs of points, between which there is material.
+    """
+    direction, crossings = along / abs(along), []
     for loop in loops:
         start = (loop - place) * np.conj(direction)
-        end = np.roll(start, -1)
-        meets = (start.real >= 0) != (end.real >= 0)
-        start, end = start[meets], end[meets]
+        is_beyond = start.real >= 0
+        meets = np.flatnonzero(is_beyond != np.append(is_beyond[1:], is_beyond[0]))
+        start, end = start[meets], start[(meets + 1) % len(start)]
         crossings.append(start.imag - start.real * (end.imag - start.imag) / (end.real - start.real))
     low, high = np.sort(np.concatenate(crossings)).reshape(-1, 2).T
     if not low.size:
@@ -114,51 +135,30 @@ def section_of(loops: Sequence[Complex], thickness: float, place: complex, direc
     length = float((high - low).sum())
     centre = float((high**2 - low**2).sum() / 2 / length)
     inertia = float(((high - centre) ** 3 - (low - centre) ** 3).sum() / 3)
-    outermost = max(high.max() - centre, centre - low.min())
-    return PlateSection(length * thickness, place + 1j * direction * centre, inertia * thickness / float(outermost))
+    modulus = inertia * thickness / float(max(high.max() - centre, centre - low.min()))
+    middle = place + 1j * direction * centre
+    return PlateSection(place, direction, length * thickness, middle, modulus, 1e-9 * abs(along))
 
 
-def plate_stress(loads: PlateLoads, part: Part, places: Complex, tolerance: float) -> Real:
-    """Largest nominal stress of a plate over its sections, N/mm2 at each frame.
+def plate_stress(loads: PlateLoads, body: str, sections: Sequence[PlateSection]) -> Real:
+    """Largest nominal stress of a body's plate over its sections, N/mm2 at each frame.
 
-    Parameters
-    ----------
-    loads : PlateLoads
-        The forces on the bodies.
-    part : Part
-        The plate of a body.
-    places : array of complex
-        Centres of its holes, mm; sections go through them and between each two, across the line that joins them.
-    tolerance : float
-        Of its outline, mm.
-
-    Returns
-    -------
-    array, shape (frames,)
-        Tension or pressure, plus bending; nan where a force is unknown. Shear is not in it.
+    Tension or pressure, plus bending; nan where a force is unknown. Shear is not in it.
     """
-    body = loads.motion.bodies[part.body]
-    forces = [(place, force * np.conj(body.direction)) for place, force in loads.acting[part.body]]
-    loops = [flatten(curve, tolerance) for curve in (part.outline, *part.holes)]
+    turned = np.conj(loads.motion.bodies[body].direction)
+    forces = [(place, force * turned) for place, force in loads.acting[body]]
     worst = np.zeros(loads.motion.assembled.shape)
-    for one, other in permutations(places.tolist(), 2):
-        direction = (other - one) / abs(other - one)
-        for share in np.arange(SECTIONS) / SECTIONS:
-            place = one + share * (other - one)
-            section = section_of(loops, part.thickness, place, direction)
-            if section is None:
-                continue
-            hair = 1e-9 * abs(other - one)
-            normal, moment = np.zeros(worst.shape), np.zeros(worst.shape)
-            for at, force in forces:
-                beyond = dot(direction, at - place)
-                # A pin presses on the side of its hole towards which its force points.
-                counts = (beyond > hair) | ((np.abs(beyond) <= hair) & (dot(direction, force) > 0))
-                normal = normal + np.where(counts, dot(direction, force), 0.0)
-                moment = moment + np.where(counts, cross(at - section.centre, force), 0.0)
-            for at, couple in loads.couples[part.body]:
-                moment = moment + np.where(dot(direction, at - place) > hair, couple, 0.0)
-            worst = np.maximum(worst, np.abs(normal) / section.area + np.abs(moment) / section.modulus)
+    for section in sections:
+        normal, moment = np.zeros(worst.shape), np.zeros(worst.shape)
+        for at, force in forces:
+            beyond, along = dot(section.direction, at - section.place), dot(section.direction, force)
+            # A pin presses on the side of its hole towards which its force points.
+            counts = (beyond > section.hair) | ((np.abs(beyond) <= section.hair) & (along > 0))
+            normal += np.where(counts, along, 0.0)
+            moment += np.where(counts, cross(at - section.centre, force), 0.0)
+        for at, couple in loads.couples[body]:
+            moment += np.where(dot(section.direction, at - section.place) > section.hair, couple, 0.0)
+        worst = np.maximum(worst, np.abs(normal) / section.area + np.abs(moment) / section.modulus)
     return worst
 
 
@@ -270,14 +270,14 @@ def linkage_strength_checks(
     if material and material.carried_stress:
         tolerance = FINE * stock.bar_width
         plates = [
-            (part, plate.section_points)
+            (part.name, part.body, plate_sections(part, plate.section_points, tolerance))
             for part in link_parts(motion, stock, stack)
             if (plate := stack.plates.get(part.name)) and plate.body != motion.linkage.ground
         ]
 
         def stresses(analysis: ForceAnalysis) -> Iterator[tuple[str, Real]]:
             loads = plate_loads(analysis)
-            return ((part.name, plate_stress(loads, part, points, tolerance)) for part, points in plates)
+            return ((name, plate_stress(loads, body, sections)) for name, body, sections in plates)
 
         most = material.carried_stress / LEAST_PLATE_SAFETY
         advice = "give wider bars, a thicker sheet or another material"
