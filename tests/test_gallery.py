@@ -34,7 +34,7 @@ def schema():
 # One recipe of each kind always, the others in campaigns, and those that take long.
 EACH_KIND = set(FIRST_OF_KIND.values()) - {"balanced-rocker", "log-generator", "kidney-path", "square-root-slide"}
 # Of their files those of one recipe of some kinds.
-MADE = ["flat-cam", "gear-pair", "ring-gear", "loaded-pump", "polygons", "scotch-yoke"]
+MADE = ["flat-cam", "gear-pair", "ring-gear", "polygons", "scotch-yoke"]
 
 
 @pytest.mark.parametrize("name", by_default(NAMES, EACH_KIND))

@@ -51,6 +51,7 @@ def test_the_published_optima_are_met(segment, published):
     assert 4 * 2 / (np.pi / 2) ** 2 < walked < 2 * np.pi * 2 / (np.pi / 2) ** 2
 
 
+@pytest.mark.campaign
 def test_degree_5_is_the_345_law_and_degree_7_with_jerk_the_4567_law():
     own, named = optimal_polynomial(5, 1.0, REST, REST, None).law(X), Program(
         [gk.Rise("3-4-5", rise=1, end_deg=180), gk.Return("4-5-6-7", end_deg=360)]
@@ -61,6 +62,7 @@ def test_degree_5_is_the_345_law_and_degree_7_with_jerk_the_4567_law():
     assert own[0, 1:] == pytest.approx(named.lift[half:], abs=1e-12)
 
 
+@pytest.mark.campaign
 @settings(deadline=None, max_examples=15)
 @given(
     st.integers(5, 12),

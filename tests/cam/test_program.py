@@ -282,6 +282,7 @@ def test_a_table_gives_the_acceleration_back_from_rounded_rows_where_a_curve_thr
     assert np.abs(through.motion(np.radians(angles)).lift - lifts).max() < 1e-12
 
 
+@pytest.mark.campaign
 def test_a_table_comes_from_a_file_beside_the_recipe_with_other_columns_and_without_its_last_row(tmp_path):
     lines = ["cam_angle_deg, time_s,lift_mm "] + [f"{a:g},{a / 7:g},{lift}" for a, lift in rounded(CYCLOIDS, 4)]
     # As a spreadsheet saves it: a mark at the start, other line ends, an empty line at the end.

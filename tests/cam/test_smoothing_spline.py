@@ -116,6 +116,7 @@ def test_it_is_the_smoothest_of_all_motions_in_the_band():
     assert jerk_squared(spline_through(x, wanted, ends)) > 3 * best
 
 
+@pytest.mark.campaign
 def test_noisy_rows_of_a_known_law_give_its_acceleration_back():
     near, by_decimals = (Program([LiftTable(**how, rows=rows())]) for how in ({"within": 0.006}, {"decimals": 3}))
     assert missed(near) < 0.01 * PEAK

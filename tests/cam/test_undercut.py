@@ -78,6 +78,7 @@ def test_lost_lift_is_what_a_follower_on_the_outline_loses(cam):
     assert cut.lost_lift(angle + 2 * np.pi) == pytest.approx(most)
 
 
+@pytest.mark.campaign
 def test_undercut_is_found_from_the_first_and_grows_with_the_square():
     """At its limit a roller cuts nothing, and beyond it by e it takes a lift in proportion to e^2."""
     program, lost = programme(20, ends=(60, 150, 170, 280)), {}

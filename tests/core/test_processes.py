@@ -104,6 +104,7 @@ RECIPES = {
 } | {f"e{k}": f'kind = "spur-gear"\n[gear]\nteeth = {15 + k}\nmodule = 2\n' for k in range(5)}
 
 
+@pytest.mark.campaign
 def test_a_folder_makes_the_same_with_any_number_of_cores(tmp_path):
     (tmp_path / "in").mkdir()
     for name, text in RECIPES.items():

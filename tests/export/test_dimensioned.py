@@ -31,7 +31,7 @@ def read(path):
     return ezdxf.readfile(path).modelspace()
 
 
-LEGIBLE = ["whitworth", "lantern", "herringbone-pair", "fit-test"]
+LEGIBLE = ["whitworth", "lantern", "herringbone-pair"]
 
 
 @pytest.mark.parametrize("name", by_default(sorted(path.stem for path in RECIPES.glob("*.toml")), LEGIBLE))

@@ -124,6 +124,7 @@ def test_policy_allows_only_the_scripts_of_the_page(make):
         assert rules[rule] == f"'sha256-{digest}'"
 
 
+@pytest.mark.campaign
 def test_page_lists_checks_parts_and_the_recipe(tmp_path):
     recipe = gk.load(RECIPES / "walking-leg.toml")
     gk.write(recipe, tmp_path / "leg.html")

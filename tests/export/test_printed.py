@@ -63,6 +63,7 @@ def made(tmp_path_factory):
     return recipe, out / "pair"
 
 
+@pytest.mark.campaign
 def test_sections_are_less_the_growth_and_the_chamfer(made):
     recipe, folder = made
     for part in recipe.parts:
@@ -104,6 +105,7 @@ def test_beds_hold_all_copies_apart(made):
     assert sorted(found) == sorted((p.name, p.thickness) for p in recipe.parts for _ in range(p.count))
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(
     "growth, foot, passes",
     [(GROWTH, FOOT, True), (GROWTH + 0.01, FOOT, True), (0.0, FOOT, False), (GROWTH, 0.0, False), (GROWTH, 0.3, False)],

@@ -154,6 +154,7 @@ def test_numbers_of_a_cam_by_hand_are_those_of_its_table(law, follower):
         assert 1 / found["rho"] == pytest.approx(table["profile_curvature"][row])
 
 
+@pytest.mark.campaign
 def test_a_cam_by_a_table_has_no_formulas():
     assert gk.load(RECIPES / "table-cam.toml").formulas == ()
 

@@ -26,7 +26,8 @@ files = { labels = false, kerf = 0.4, tolerance = 0.1, curves = "%s" }
 """
 
 
-@pytest.mark.parametrize("curves", by_default(["chords", "arcs"], ["arcs"]))
+@pytest.mark.campaign
+@pytest.mark.parametrize("curves", ["chords", "arcs"])
 def test_summary_has_written_and_exact_sizes(tmp_path, curves):
     """At this tolerance chords lose 0.5 % of the area, which a reader of the files must be able to see."""
     (tmp_path / "bars.toml").write_text(RECIPE % curves)

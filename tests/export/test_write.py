@@ -40,6 +40,7 @@ def test_half_a_kerf_goes_to_either_side_of_a_drawing_and_none_to_a_solid(tmp_pa
     assert (tmp_path / "a.stl").read_bytes() == (tmp_path / "b.stl").read_bytes()
 
 
+@pytest.mark.campaign
 def test_arcs_are_fewer_points_and_chords_keep_the_tolerance(tmp_path):
     parts = gk.load(GEAR).parts
     counts = {}

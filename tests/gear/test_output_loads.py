@@ -129,6 +129,7 @@ def test_loads_need_a_material(kind):
     assert refused.value.problems[0].key == "stock.material"
 
 
+@pytest.mark.campaign
 def test_a_kind_without_forces_states_why(tmp_path):
     own = gk.load("recipes/lantern.toml")
     made = gk.make(own, tmp_path, ["page"])

@@ -43,6 +43,7 @@ LONG = {
 }
 
 
+@pytest.mark.campaign
 def test_long_texts_are_answered_at_once(command, here):
     # A reader's time may grow with the square of what stands in a line: 200 kB would keep it for minutes.
     for name, content in LONG.items():

@@ -139,6 +139,7 @@ assert [os.waitstatus_to_exitcode(os.waitpid(copy, 0)[1]) for copy in copies] ==
 """
 
 
+@pytest.mark.campaign
 @pytest.mark.skipif(os.name != "posix", reason="copies of a process")
 def test_runs_at_once_into_one_folder_lose_and_break_nothing(versions, here):
     for k, (text, _) in enumerate(versions):

@@ -131,6 +131,7 @@ def test_killed_at_random_every_file_is_old_or_new(replaced, here, count=200):
     assert min(fresh) < 4 <= max(fresh), "no kill came in between"
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(("name", "count"), [("fsync", 3), pytest.param("replace", 2, marks=pytest.mark.campaign)])
 def test_interrupted_while_writing_every_file_is_whole_and_none_is_left_over(command, replaced, here, name, count):
     before = AT_CALL.format(name=name, when="before", count=count, signal="SIGINT")
@@ -200,6 +201,7 @@ def test_interrupted_at_any_moment_it_says_so_in_one_line(command, recipe, here,
     assert list(here.rglob(".making*")) == [] and all(p.read_text().endswith("\n") for p in here.rglob("*.csv"))
 
 
+@pytest.mark.campaign
 def test_interrupted_while_a_library_computes_it_ends_at_once(here, recipe):
     # A solid of some 100,000 corners keeps a library busy for many seconds, in which Python sees no signal.
     gear = {"gear.module": "1000", "files.tolerance": "2e-5", "files.write": '["stl"]'}

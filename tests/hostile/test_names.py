@@ -112,6 +112,7 @@ OLD = {
 }
 
 
+@pytest.mark.campaign
 @pytest.mark.skipif(sys.platform != "linux", reason="devices and pipes by these names are its own")
 def test_whatever_an_old_summary_is_a_run_ends(command, recipe, here):
     before = "import os"

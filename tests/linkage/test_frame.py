@@ -82,6 +82,7 @@ def test_plates_under_the_ground_take_up_a_boss_that_is_higher_than_the_sheet(wa
         dataclasses.replace(stock, thickness=1.0, pin_diameter=1.0)
 
 
+@pytest.mark.campaign
 def test_the_walker_does_not_fall_over_and_four_legs_are_warned_of(walker):
     assert {check.id for check in walker.checks if not check.passed} == {"transmission_angle", "shaft_engagement"}
     assert walker.aspect("foot").stance.margin.min() > 25

@@ -48,6 +48,7 @@ def test_programs_equal_placements(name, monkeypatch):
         assert_alike(motion)
 
 
+@pytest.mark.campaign
 def test_sizes_of_one_structure_that_need_other_formulas_are_not_confused():
     """Kites, change points, zero offsets and points on an axis take formulas of their own, in any order."""
     four_bars = [(100, 30, 90, 70), (70, 70, 90, 90), (100, 40, 100, 40), (100.5, 31, 91, 71), (70, 70, 80, 80)]
@@ -78,6 +79,7 @@ def test_arrays_of_sizes_equal_single_linkages(monkeypatch):
     assert not many.assembled[:, 3].all() and many.assembled[:, 0].all()
 
 
+@pytest.mark.campaign
 def test_requests_in_any_order_from_threads_give_the_same_results(monkeypatch):
     monkeypatch.setattr(program, "BLOCK", 4000)
     requests = [

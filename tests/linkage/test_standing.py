@@ -64,6 +64,7 @@ def test_frame_rests_on_the_highest_plane_below_all_feet(cases):
             assert slope == pytest.approx(highest_plane_below(z, y, centre), abs=1e-7)
 
 
+@pytest.mark.campaign
 def test_six_legs_of_alternating_phase_rock_little_and_four_stand_on_two_feet_at_times():
     opposite = [(0, True), (180, False), (180, True)]
     four, six = walker(*opposite), walker(*opposite, (0, False), (0, True))
@@ -84,6 +85,7 @@ def test_six_legs_of_alternating_phase_rock_little_and_four_stand_on_two_feet_at
     assert off.min() < 1e-6
 
 
+@pytest.mark.campaign
 def test_copies_advised_to_four_legs_let_them_rock_little():
     text = WALKER.replace("kind =", 'foot = "foot"\nkind =').replace("step_deg = 2", "step_deg = 10")
     advice = next(check.advice for check in gk.load(text).checks if check.id == "tilt_along")

@@ -144,6 +144,7 @@ def test_frame_slides_at_the_speed_at_which_friction_takes_least():
     assert -(sense * velocity).sum(axis=0) == pytest.approx(least, abs=2e-3)
 
 
+@pytest.mark.campaign
 def test_feet_of_the_walker_carry_what_statics_gives():
     shares, velocity, mass, *_ = statics(0.195)
     stance = recipe().aspect("foot").stance
@@ -201,6 +202,7 @@ def test_motors_walk_as_their_data_sheets_and_statics_say(name):
     assert entry["battery_h"] == pytest.approx(24 / watts, rel=0.02)
 
 
+@pytest.mark.campaign
 def test_a_battery_beyond_the_feet_tips_the_walker_and_the_advice_sets_it_up_again():
     """0.7 kg beyond the end of the shaft, at the place that the check suggests."""
 

@@ -76,6 +76,7 @@ def test_legs_stand_where_they_stand_when_moved_by_themselves():
                 assert found.direction[k] == pytest.approx(turned * motion.bodies[body].direction[0], abs=1e-9)
 
 
+@pytest.mark.campaign
 def test_gears_pass_as_many_teeth_as_their_mates_and_do_not_overlap():
     scene = legs().scene
     for one, other, teeth in (("driver_1", "driven_1", (12, 36)), ("driver_2", "driven_2", (12, 48))):
@@ -240,7 +241,8 @@ def test_fits_that_a_mechanism_does_not_state_are_assumed_once_each():
     assert set(own.assumed_fits) == {"files.kerf", "mechanisms.a.recipe.stock.clearance"}
 
 
-@pytest.mark.parametrize("up", [pytest.param(True, marks=pytest.mark.campaign), False])
+@pytest.mark.campaign
+@pytest.mark.parametrize("up", [True, False])
 def test_shaft_that_meets_a_moving_plate_is_found(up):
     """Against polygons of all plates between the joined ones, frame by frame."""
     own = legs(up=up)
@@ -256,6 +258,7 @@ def test_shaft_that_meets_a_moving_plate_is_found(up):
         assert check.value == pytest.approx(room - 1, abs=0.02)
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(("directions", "free"), [("[-90, -60]", True), ("[0, 0]", False)])
 def test_leg_that_moves_where_the_motor_hangs_is_found(directions, free):
     """The cylinder of the motor against the plates below it, by polygons."""
@@ -295,6 +298,7 @@ def test_recipe_is_written_as_read_and_read_again_from_its_sources():
     assert list(own.sources) == ["walking-leg.toml"]
 
 
+@pytest.mark.campaign
 def test_handles_of_mechanisms_are_on_their_pins_and_follow_the_pointer():
     text = machine(pair=inline(PAIR), lift=inline(CAM, 'turned_by = "pair.second"'),
                    wiper=inline(FOUR_BAR, 'turned_by = "pair.second"\nphase_deg = 30\nangle_deg = 200'))  # fmt: skip
@@ -316,6 +320,7 @@ def test_handles_of_mechanisms_are_on_their_pins_and_follow_the_pointer():
         assert away == pytest.approx(moved.radius, abs=0.6 if moved.radius else 0.1)
 
 
+@pytest.mark.campaign
 def test_a_file_of_lifts_that_changes_is_read_again(tmp_path):
     program = 'program = [{ kind = "table", file = "lift.csv", decimals = 4 }]'
     follower = 'follower = { kind = "translating-roller", roller_radius = 8 }'
@@ -433,6 +438,7 @@ def test_a_ring_that_turns_a_crank_needs_a_disc_and_its_shaft_has_the_bore_of_th
     assert "pair/ring" in shaft.bodies
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("changes", [{}, {"mirrored": True, "angle_deg": 30}])
 def test_the_handle_of_a_phase_is_dragged_round_its_shaft(changes):
     text = """kind = "machine"

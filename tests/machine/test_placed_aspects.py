@@ -29,6 +29,7 @@ def walker():
     return table
 
 
+@pytest.mark.campaign
 def test_copies_in_a_machine_are_made_and_certified(tmp_path):
     machine = gk.load(placed({**BAR, "copies": [{"phase_deg": 180}, {"mirrored": True}]}))
     gk.make(machine, tmp_path)
@@ -44,6 +45,7 @@ def test_a_run_in_a_machine_is_refused_by_its_key():
     assert [problem.key for problem in caught.value.problems] == ["mechanisms.bar.recipe.loads.run"]
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(("angle", "stands"), [(0, True), (90, False)])
 def test_a_walker_that_a_machine_turns_is_not_said_to_stand(angle, stands):
     machine = gk.load(placed(walker(), angle_deg=angle))
@@ -95,6 +97,7 @@ def test_copies_of_a_linkage_are_mechanisms_of_a_machine_on_its_shaft(speed):
     assert machine.torques.input == pytest.approx(torque, abs=1e-9 * np.abs(torque).max())
 
 
+@pytest.mark.campaign
 def test_mirrored_mechanisms_are_made_and_certified(tmp_path):
     machine = gk.load(placed(BAR, mirrored=True, angle_deg=30) | {"files": {"write": ["dxf", "assembly-dxf"]}})
     gk.make(machine, tmp_path)

@@ -50,6 +50,7 @@ def geared_legs():
     return gk.load("recipes/geared-legs.toml")
 
 
+@pytest.mark.campaign
 def test_separate_legs_walk_as_one_linkage_with_copies():
     copies, leg = tables()
     one = gk.load({**copies, "loads": {**copies["loads"], "carried": [{"mass_kg": 0.7, "along": 5, "across": 140}]}})
@@ -67,6 +68,7 @@ def test_separate_legs_walk_as_one_linkage_with_copies():
     assert np.sum(loads, axis=0) == pytest.approx(9.81 * ours.stance.mass, rel=1e-9)
 
 
+@pytest.mark.campaign
 def test_weight_of_all_mechanisms_and_of_the_motor_counts():
     """The walker of the gallery: masses of plates and screws of eight legs, of its gears, motor and payload."""
     made = geared_legs()
@@ -98,6 +100,7 @@ def test_energy_of_a_step_is_the_work_of_friction():
     assert own > legs > 0
 
 
+@pytest.mark.campaign
 def test_payload_beyond_the_feet_tips_the_machine_and_the_suggestion_sets_it_up_again():
     _, leg = tables(30)
     carried = {"mass_kg": 3.0, "along": 200, "across": 140}

@@ -34,6 +34,7 @@ def better_than(least):
     return [(float(crank[i, 0, 0]), float(coupler[0, j, 0]), float(rocker[0, 0, k])) for i, j, k in np.argwhere(good)]
 
 
+@pytest.mark.campaign
 def test_every_better_four_bar_of_the_grid_deviates_too_much():
     recipe = gk.load(RECIPE)
     best = {check.id: check.value for check in recipe.checks}

@@ -72,6 +72,7 @@ def test_directions_of_the_search_are_even_and_bounded():
         assert 20 <= len(shares) <= 21 and len(np.unique(shares, axis=0)) == len(shares)
 
 
+@pytest.mark.campaign
 def test_command_writes_table_picture_and_recipes_of_the_front(tmp_path):
     table = {"vary": ["gear.teeth = 8:20"], "minimise": ["rim", "-tip_thickness"], "subject_to": ["undercut <= 0"]}
     (tmp_path / "wheel.toml").write_text(gk.recipe.to_toml(gk.load({**GEAR, "optimise": table})))
@@ -109,6 +110,7 @@ def test_a_front_within_constraints_that_nothing_meets_names_them():
     assert refused.value.field == "subject_to" and "undercut" in str(refused.value)
 
 
+@pytest.mark.campaign
 def test_time_limit_ends_the_search_of_a_front():
     front = gk.optimise(
         FOUR_BAR, {"linkage.coupler": (60, 120)}, ["max(rocker_omega)", "-range(rocker_angle)"], time_limit=0.3

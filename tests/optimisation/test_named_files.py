@@ -40,6 +40,7 @@ def few_designs(monkeypatch):
     monkeypatch.setattr("geomkin.optimisation.search.MOST_POINTS", 2)
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("name, is_opened", [("cam.toml", False), ("both.toml", False), ("both.toml", True)])
 def test_written_optimum_loads_with_the_files_that_it_names(home, tmp_path, name, is_opened):
     source = gk.load(home / name) if is_opened else home / name
@@ -50,6 +51,7 @@ def test_written_optimum_loads_with_the_files_that_it_names(home, tmp_path, name
     assert {folder / "lifts" / "rise.csv", *further} < best.files.keys()
 
 
+@pytest.mark.campaign
 def test_written_recipes_of_a_front_load_with_the_files_that_they_name(home, tmp_path):
     vary, objective = TASKS["cam.toml"]
     front = gk.optimise(home / "cam.toml", vary, [objective, "-min(pitch_curvature)"], starts=1, out=tmp_path)

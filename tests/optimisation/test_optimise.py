@@ -186,6 +186,7 @@ def test_wrong_input_is_refused_by_name(vary, minimise, subject_to, field, named
 TABLE = {"vary": ["linkage.coupler = 60:120", "linkage.rocker = 60:120"], "minimise": TRANSMISSION}
 
 
+@pytest.mark.campaign
 def test_table_of_the_recipe_gives_the_search(tmp_path):
     """The same optimum as by arguments, by the command without options, and by the recipe that it writes."""
     recipe = {**FOUR_BAR, "optimise": {**TABLE, "subject_to": ["max(rocker_angle) <= 150"]}}
@@ -243,6 +244,7 @@ def test_too_many_combinations_of_whole_numbers_are_refused_before_the_search():
     assert refused.value.id == "too-much-work"
 
 
+@pytest.mark.campaign
 def test_constraint_that_nothing_meets_is_named_with_its_distance():
     """The best transmission angle that these lengths allow is 56.6 deg, 13.4 deg below the limit."""
     with pytest.raises(gk.DesignError) as refused:
@@ -339,12 +341,14 @@ def test_hostile_formulas_are_refused(text, field):
     assert refused.value.field == field and str(refused.value).isprintable() and len(str(refused.value)) < 3000
 
 
+@pytest.mark.campaign
 def test_formula_without_a_finite_value_is_refused():
     with pytest.raises(gk.DesignError) as refused:
         gk.optimise(FOUR_BAR | {"drive": {"step_deg": 20}}, VARY, "9**9**9**9 / 0", starts=1)
     assert refused.value.field == "vary"
 
 
+@pytest.mark.campaign
 def test_command_writes_a_recipe_that_holds_the_optimum(tmp_path):
     arguments = command(tmp_path)
     result = CliRunner().invoke(cli, [*arguments, "--subject-to", "max(rocker_angle) <= 170"])

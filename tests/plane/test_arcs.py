@@ -80,6 +80,7 @@ def strays(curve, line):
     return off_arcs(*(x[:, None] for x in edges(line)), curve.point(np.linspace(0, 1, 2001))).min(axis=0).max()
 
 
+@pytest.mark.campaign
 @settings(deadline=None, derandomize=True, max_examples=20)
 @given(st.lists(st.builds(complex, *[st.integers(-5, 5)] * 2), min_size=4, max_size=4, unique=True), st.floats(-3, -1))
 def test_arcs_of_any_cubic_keep_the_tolerance(control, power):

@@ -75,6 +75,7 @@ def test_peaks_of_forces_are_those_of_a_fine_table():
     assert peaks["rocker_pin"][0] == pytest.approx(np.abs(pin).max(), rel=1e-5)
 
 
+@pytest.mark.campaign
 def test_the_tilt_of_a_walker_jumps_between_two_rows():
     walker = gk.load(RECIPES / "motor-walker.toml")
 

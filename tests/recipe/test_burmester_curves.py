@@ -15,6 +15,7 @@ def recipe(poses=POSES, **more):
     return gk.load({"kind": "burmester-curves", "wanted": {"poses": poses, **more.pop("wanted", {})}, **more})
 
 
+@pytest.mark.campaign
 def test_dyads_of_the_file_go_through_all_poses(tmp_path):
     gk.make(recipe(rows=60).with_name("curves"), tmp_path)
     with (tmp_path / "curves/curves.csv").open() as file:

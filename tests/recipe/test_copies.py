@@ -88,6 +88,7 @@ def test_a_copy_stays_on_the_branch_of_the_first_through_change_points():
     assert np.abs(pins[1] - pins[2]).max() < 1e-6 and np.abs(pins[0] + pins[1] - 2 * shaft).max() < 1e-6
 
 
+@pytest.mark.campaign
 def test_files_count_parts_and_hardware_of_all_copies(walker, tmp_path):
     alone = gk.load(LEG)
     gk.make(walker.with_name("walker"), tmp_path, ["dxf", "bom"])

@@ -53,6 +53,7 @@ def test_the_summary_and_the_table_have_the_force_without_and_with_the_counterwe
     assert heavier == pytest.approx({body: end["added_mass_kg"] for body, end in ends.items()}, rel=1e-6)
 
 
+@pytest.mark.campaign
 def test_a_bound_on_the_size_leaves_more_force_and_the_check_fails():
     checks = [check for recipe in (four_bar({}), four_bar({"largest_radius": 5})) for check in recipe.checks]
     large, small = (check for check in checks if check.id == "counterweights")

@@ -112,6 +112,7 @@ def test_a_disc_turns_with_the_crank_in_the_scene():
     assert abs(bodies["flywheel"].layer - bodies["crank"].layer) == 1
 
 
+@pytest.mark.campaign
 def test_screws_on_the_crank_meet_the_disc():
     stock = ROD | {"attachments": [{"name": "knob", "body": "crank", "at": [12, 0]}]}
     passed = [check(four_bar({"flywheel_sheets": n}, stock), "attachments_passed").value for n in (0, 1)]

@@ -333,6 +333,7 @@ def test_workshop_file_has_its_own_unit():
             from_table(table, "recipe", {"laser.toml": inches.replace("0.01", "1")})
 
 
+@pytest.mark.campaign
 def test_files_of_points_and_lifts_state_inches():
     lifts = "cam_angle_deg,lift_{}\n" + "\n".join(f"{a},{{:.9f}}" for a in range(0, 361, 10))
     values = 0.25 * (1 - np.cos(np.radians(np.arange(0, 361, 10))))
@@ -346,6 +347,7 @@ def test_files_of_points_and_lifts_state_inches():
     assert lift[0].max() == pytest.approx(12.7, abs=1e-3)
 
 
+@pytest.mark.campaign
 def test_goal_writes_its_mechanism_in_inches(tmp_path):
     goal = {
         "kind": "crank-rocker-synthesis",
@@ -413,6 +415,7 @@ def test_recipe_inside_a_machine_has_its_unit():
     assert refused.value.problems[0].key.startswith(f"mechanisms.{name}.recipe")
 
 
+@pytest.mark.campaign
 def test_rates_of_lengths_in_summaries_are_in_inches():
     tolerances = {"of": "coupler_point_velocity", "linkages": 0}
     entries = {}

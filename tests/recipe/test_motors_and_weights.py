@@ -35,11 +35,13 @@ def test_a_cam_that_no_motor_turns_is_reported_too():
     assert not check(gk.load({"kind": "disk-cam", "cam": cam, "loads": loads}), "motor_torque").passed
 
 
+@pytest.mark.campaign
 def test_a_walker_whose_feet_carry_nothing_is_reported():
     walker = gk.load(CASES / "walker-without-weight.toml")
     assert check(walker, "weight_carried").value == 0 and not check(walker, "weight_carried").passed
 
 
+@pytest.mark.campaign
 def test_feet_that_carry_the_weight_pass_by_the_mean_of_their_forces():
     """Six feet of 2.2 N over 174 of 360 deg, against the masses of the summary, the motor and what is carried."""
     table = tomllib.loads(gk.recipe.to_toml(gk.load("recipes/motor-walker.toml")))
@@ -65,7 +67,8 @@ def test_a_walker_without_a_material_weighs_what_its_loads_state(masses):
         assert checks["weight_carried"].value == pytest.approx(50)
 
 
-@pytest.mark.parametrize("measure", ["root_mean_square", pytest.param("maximum", marks=pytest.mark.campaign)])
+@pytest.mark.campaign
+@pytest.mark.parametrize("measure", ["root_mean_square", "maximum"])
 def test_counterweights_for_an_even_torque_reduce_the_ripple_of_the_column(measure):
     text = (Path(__file__).parents[2] / "recipes" / "balanced-rocker.toml").read_text()
     table = tomllib.loads(text)

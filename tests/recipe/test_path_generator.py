@@ -26,6 +26,7 @@ origin_y = [0, 0]
 SVG = '<svg xmlns="http://www.w3.org/2000/svg"><g><path id="a" d="M 0 0 L 40 0 L 40 30 Z"/><path d="M 1 1"/></g></svg>'
 
 
+@pytest.mark.campaign
 def test_goal_is_made_and_its_found_recipe_runs(tmp_path):
     made = gk.make(gk.load(FIVE).with_name("five"), tmp_path)
     folder = tmp_path / "five"

@@ -45,7 +45,7 @@ def with_value(recipe, path, value):
     return spoiled
 
 
-@pytest.mark.parametrize("name", by_default(KINDS, ["slider-function-generator", "fit-test"]))
+@pytest.mark.parametrize("name", by_default(KINDS, ["fit-test"]))
 def test_a_wrong_key_or_value_is_marked_at_its_own_place_alone(marks, name):
     recipe = opened(name)
     assert marks(recipe) == []

@@ -46,6 +46,7 @@ def test_single_lengths_and_the_clearance_of_the_stock():
     assert recipe.table["rocker_angle_worst_case"] == pytest.approx(np.degrees(expected), rel=1e-9)
 
 
+@pytest.mark.campaign
 def test_the_limit_is_checked_and_the_advised_tolerance_just_passes():
     failed = four_bar(KNOWN | {"limit": 0.4})
     (check,) = [check for check in failed.checks if check.id == "deviation"]
@@ -83,6 +84,7 @@ def test_the_band_holds_the_enlarged_deviation_of_every_position():
     assert not four_bar(KNOWN | {"of": "rocker_angle"}).scene.regions
 
 
+@pytest.mark.campaign
 def test_random_linkages_in_the_summary_agree_with_the_root_sum_square(tmp_path):
     recipe = four_bar(KNOWN | {"of": "rocker_angle", "clearance": 0, "limit": 0.2})
     gk.make(recipe, tmp_path)

@@ -27,6 +27,7 @@ def sizes(recipe):
     return {n.key: n.field for n in numbers if n.field not in zero and not n.key.endswith("].point[1]")}
 
 
+@pytest.mark.campaign
 def test_nine_in_ten_lengths_and_positions_have_a_handle():
     reached = total = 0
     for path in RECIPES:

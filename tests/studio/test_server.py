@@ -144,6 +144,7 @@ def test_the_page_that_leads_links_on_needs_and_holds_no_secret(running):
     assert len(running._times) == before
 
 
+@pytest.mark.campaign
 def test_recipes_of_the_gallery_are_offered_and_run_in_any_folder(running):
     examples = json.loads(ask(running, "examples")[2])["examples"]
     assert len(examples) > 50 and len({example["name"] for example in examples}) == len(examples)
@@ -275,6 +276,7 @@ def test_new_recipes_and_pictures(running):
     assert {row["kind"] for row in json.loads(ask(running, "gallery")[2])["kinds"]} > {"four-bar", "spur-gear"}
 
 
+@pytest.mark.campaign
 def test_closing_does_not_wait_for_answers_that_still_compute(running, monkeypatch):
     computing, end = threading.Semaphore(0), threading.Event()
 

@@ -120,6 +120,7 @@ def test_whoever_works_them_out_the_files_are_the_same(file, tmp_path, made):
         assert bytes_of(swept(file, tmp_path / "shared", executor)) == alone
 
 
+@pytest.mark.campaign
 def test_a_cluster_of_dask_gives_the_same_files(file, tmp_path):
     distributed = pytest.importorskip("distributed", reason="pip install -e '.[cluster]'")
     alone = bytes_of(swept(file, tmp_path / "alone"))
@@ -172,9 +173,8 @@ def test_stopped_sweep_resumes(file, tmp_path, stopped, half, monkeypatch):
 EVALUATE = sweeping.evaluate
 
 
-@pytest.mark.parametrize(
-    "change", ["recipe", "file", *(pytest.param(one, marks=pytest.mark.campaign) for one in ("version", "results"))]
-)
+@pytest.mark.campaign
+@pytest.mark.parametrize("change", ["recipe", "file", "version", "results"])
 def test_changed_sweep_starts_again(tmp_path, change, monkeypatch):
     (tmp_path / "lift.csv").write_text(
         "cam_angle_deg,lift_mm\n" + "".join(f"{k},{10 - 10 * np.cos(np.radians(k)):.3f}\n" for k in range(0, 361, 10))

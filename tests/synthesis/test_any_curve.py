@@ -163,6 +163,7 @@ def curve_of_known(bars):
     return chains[best : best + 1]
 
 
+@pytest.mark.campaign
 def test_the_front_has_the_best_in_each_respect(small):
     """In bars, distance, angle and size: for each linkage that is left out one that is kept is as good within 2 %."""
     found = gk.path_generator(EIGHT[::4], closed=True, bars=5, geared=True)
@@ -181,6 +182,7 @@ def test_the_front_has_the_best_in_each_respect(small):
     assert (costs[front].min(axis=0) <= costs.min(axis=0) + 0.025 * np.abs(costs.min(axis=0))).all()
 
 
+@pytest.mark.campaign
 def test_a_search_keeps_its_limits(small):
     limits = {"least_transmission_angle_deg": 25, "largest_ratio": 8}
     found = gk.path_generator(EIGHT[::4], closed=True, bars=5, geared=True, **limits)
@@ -194,6 +196,7 @@ def test_a_search_keeps_its_limits(small):
         assert max(distances(EIGHT, path).max(), back) == pytest.approx(one.largest_distance, abs=2e-3 * size)
 
 
+@pytest.mark.campaign
 def test_open_paths_are_met_in_order_by_a_part_of_the_turn(small):
     """By position analysis of the linkages alone; the way back counts nothing."""
     points = EIGHT[10:120:2]
@@ -213,6 +216,7 @@ def test_open_paths_are_met_in_order_by_a_part_of_the_turn(small):
         assert np.median(off - nearest) < 1e-3 * 80
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("closed", [False, True])
 def test_timed_points_are_traced_at_their_crank_angles(small, closed):
     """By position analysis of the linkages alone, over the full turn too; falling angles, and a heavy part."""
@@ -274,6 +278,7 @@ def test_the_nearest_linkages_are_laid_over_a_stroke():
         gk.synthesis.nearest_linkages([1, 1, 1])
 
 
+@pytest.mark.campaign
 def test_ground_pivots_stay_in_their_boxes(small):
     bounds = {"origin_x": (-60, -50), "origin_y": (0, 0), "pivots_y": (-30, 30)}
     found = gk.path_generator(EIGHT[::4], closed=True, bars=6, bounds=bounds)
@@ -285,6 +290,7 @@ def test_ground_pivots_stay_in_their_boxes(small):
             assert abs(pivots.point(name).position[0].imag) <= 30 + 1e-9
 
 
+@pytest.mark.campaign
 def test_links_far_shorter_than_the_path_are_refused(small):
     path = np.array([0, 20 + 3j, 40 + 2j, 60, 72 + 12j, 75 + 28j, 70 + 45j])
     with pytest.raises(gk.DesignError) as refused:
@@ -389,6 +395,7 @@ def test_curves_that_no_linkage_follows_get_the_nearest_one_with_its_true_distan
     assert found.largest_distance > distances(np.asarray(points, dtype=complex), path).max() - 0.05
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("step_deg", [None, 7.0, 1e-9])
 def test_open_paths_and_timed_points_may_rest_at_the_ends(small, step_deg):
     """Points that are given twice have no direction; angles that hardly differ have no linkage."""

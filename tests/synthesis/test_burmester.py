@@ -102,6 +102,7 @@ def test_slides_are_the_points_at_infinity(seed):
     assert len(ends) == 2 and np.abs(ends - slides.moving[0]).max() < 1e-2
 
 
+@pytest.mark.campaign
 def test_known_linkages_lie_on_the_curves():
     for known in known_linkages(np.random.default_rng(20), 2, 4):
         curves = burmester_curves(known.poses, reach=1e3)

@@ -104,6 +104,7 @@ def test_rates_are_those_of_the_places(terms):
     assert seen > 20
 
 
+@pytest.mark.campaign
 def test_point_of_a_loop_with_a_given_direction_is_found():
     seen = set()
     for terms in CUBICS:

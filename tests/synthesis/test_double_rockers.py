@@ -70,6 +70,7 @@ def judge(wish, seen):
     assert np.isnan(angles[like]).all() or not found.defects
 
 
+@pytest.mark.campaign
 def test_every_verdict_agrees_with_simulation():
     seen = set()
     for wish in random_wishes(30, 1):

@@ -64,6 +64,7 @@ def test_slides_of_known_linkages_are_recognised():
         assert (np.isnan(dyads.moving_direction) != np.isinf(dyads.moving)).all()
 
 
+@pytest.mark.campaign
 def test_random_poses_have_none_two_or_four_and_all_are_true():
     rng = np.random.default_rng(4)
     counts = []

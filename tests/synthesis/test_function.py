@@ -69,6 +69,7 @@ def proven(found):
             assert shares @ slope == pytest.approx(0, abs=1e-6 * np.abs(slope).max())
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(
     ("function", "span", "swings", "aim"),
     [

@@ -27,7 +27,8 @@ output_mm = -40
 """
 
 
-@pytest.mark.parametrize("text", [pytest.param(FOUR_BAR, marks=pytest.mark.campaign), SLIDER])
+@pytest.mark.campaign
+@pytest.mark.parametrize("text", [FOUR_BAR, SLIDER])
 def test_found_function_generator_is_made(tmp_path, text):
     recipe = gk.load(text).with_name("wish")
     made = gk.make(recipe, tmp_path)

@@ -153,6 +153,7 @@ def test_five_poses_of_a_slider_crank_give_it_back_and_each_found_goes_through()
         check(guide, poses)
 
 
+@pytest.mark.campaign
 def test_four_poses_have_linkages_as_good_as_the_known_one():
     rng = np.random.default_rng(4)
     for _ in range(1):
@@ -185,6 +186,7 @@ def test_more_poses_are_met_by_least_squares_and_it_is_said_by_how_much():
     assert np.abs(moved - [z for z, _ in shaken]).max() == pytest.approx(found[0].pose_error, rel=1e-9)
 
 
+@pytest.mark.campaign
 def test_parallel_poses_are_met_by_parallelograms_and_two_of_them_by_anything():
     parallel = [(0j, 0.2), (40 + 0j, 0.2), (60 + 30j, 0.2)]
     for guide in body_guides(parallel):

@@ -108,6 +108,7 @@ def test_region_excludes_exactly_the_linkages_outside_it(drive):
     assert len(seen) > 3
 
 
+@pytest.mark.campaign
 def test_least_squares_keep_to_even_links_by_default():
     rng, drive = np.random.default_rng(5), np.linspace(0.4, 3.0, 6)
     shaken = [(z + complex(*rng.normal(0, 0.3, 2)), t) for z, t in poses_of(KNOWN, drive)]

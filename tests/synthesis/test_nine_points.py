@@ -175,6 +175,7 @@ def test_each_stored_set_has_the_published_number_of_solutions(number):
     assert (np.abs(residuals(x, np.broadcast_to(parameters, x.shape))) < 1e-11 * (1 + sizes)).all()
 
 
+@pytest.mark.campaign
 def test_paths_lead_back_to_their_start():
     x, parameters = starts_of(1)
     corner = random_complex(8, 16)

@@ -61,6 +61,7 @@ def eighteen():
     return gk.path_generator(K18, 20.0 * np.arange(18), bounds=K18_BOUNDS)
 
 
+@pytest.mark.campaign
 def test_eighteen_timed_points():
     found = eighteen()
     assert found.square_error <= 0.00902889
@@ -88,6 +89,7 @@ def test_six_points_of_a_line_within_bounds():
             assert sound(one, sorted((one.drive[0], one.drive[-1])))
 
 
+@pytest.mark.campaign
 def test_five_timed_points_about_a_given_pivot():
     found = gk.path_generator(FIVE, [30, 45, 60, 75, 90], bounds=FIVE_BOUNDS)
     assert found.square_error <= 7.4158e-7 and np.degrees(found.drive) == pytest.approx([30, 45, 60, 75, 90])
@@ -197,6 +199,7 @@ def test_size_and_place_do_not_matter():
         assert other.square_error == pytest.approx(size**2 * plain.square_error, rel=1e-6)
 
 
+@pytest.mark.campaign
 def test_same_seed_gives_the_same_result_and_progress_is_reported():
     reported = []
     with progress_to(lambda share, what: reported.append((share, what))):

@@ -148,6 +148,7 @@ def test_the_chosen_four_bar_has_the_least_error_within_the_limits(seed):
     assert np.isnan(searches.best_within_limits(rows[:, others])).all()
 
 
+@pytest.mark.campaign
 def test_cognates_count_once_and_wrong_linkages_not_at_all():
     points = searches.POINTS
     rows = found("nine-points", "some of the paths", 150)

@@ -20,6 +20,7 @@ def rows(folder):
     return {name: (proof, deviation, verdict) for name, proof, deviation, verdict in cells}
 
 
+@pytest.mark.campaign
 def test_report_has_the_results_and_is_itself_as_designed(folder):
     before = (folder / "disk-report.md").read_bytes()
     assert not rows(folder)

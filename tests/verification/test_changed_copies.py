@@ -39,6 +39,7 @@ def test_a_number_of_a_picture_may_differ_by_the_last_of_many_digits_alone(kind)
         assert (not apart.problems) == passes and apart.digits == passes
 
 
+@pytest.mark.campaign
 def test_a_version_is_a_version(disk):
     path = disk / "summary.json"
     text = path.read_text()
@@ -56,6 +57,7 @@ def test_a_version_is_a_version(disk):
     )
 
 
+@pytest.mark.campaign
 def test_ends_of_lines_and_a_mark_before_the_first_one_may_change(disk, tmp_path):
     report = {"kind": "spur-gear", "gear": {"teeth": 8, "module": 2}, "files": {"write": ["dxf", "report-md"]}}
     gk.make(gk.load(report).with_name("stated"), tmp_path)

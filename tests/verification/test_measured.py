@@ -17,6 +17,7 @@ from geomkin.verification.comparison import Shape, colliding, exact_part, measur
 from geomkin.verification.outline import Drawing, Line, UnreadableError, outline_of
 from geomkin.verification.read_back import read_stl, read_svg
 from geomkin.verification.solids import Mesh, measure_mesh, merged
+from tests.campaign import by_default
 from tests.verification.damage import RECIPE, wrong
 
 BARE = f"{RECIPE}labels = false\n".replace('"csv", "bom", "step", "3mf", "glb"', '"3mf"')
@@ -46,7 +47,7 @@ def problems(report):
     return [str(problem) for problem in report.problems]
 
 
-@pytest.mark.parametrize("name", ["tabs", "bare"])
+@pytest.mark.parametrize("name", by_default(["tabs", "bare"], ["bare"]))
 def test_good_files_pass(written, measuring, name):
     (certificate,) = gk.verify(written / name)
     assert certificate.passed, [(file.file, problems(file)) for file in certificate.files if file.problems]
@@ -91,7 +92,7 @@ EXTRA = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("extra", EXTRA)
+@pytest.mark.parametrize("extra", by_default(EXTRA, slice(2)))
 def test_lines_added_to_a_path_are_found(copy, extra):
     layer, pattern = EXTRA[extra]
     path = copy / "bars.svg"
@@ -186,7 +187,7 @@ PLACES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("place", by_default(PLACES, slice(2)))
 def test_solids_are_apart_and_on_the_bed(bare, place):
     moved(bare, "spacer", PLACES[place][0])
     assert set(wrong(bare)) == (set() if PLACES[place][1] else {"bare.3mf"})

@@ -15,6 +15,7 @@ import pytest
 import geomkin as gk
 from geomkin.core.units import marked
 from geomkin.verification import comparison, made_again, outline
+from tests.campaign import by_default
 from tests.verification.damage import RECIPE, damage_folder, wrong
 
 
@@ -74,6 +75,7 @@ def moved_vertex(folder, by):
     path.write_text(text[: found.start(1)] + " ".join(pairs) + text[found.end(1) :])
 
 
+@pytest.mark.campaign
 def test_a_vertex_off_its_curve_is_named_with_its_place(copy):
     moved_vertex(copy, 0.02)
     ((name, file),) = wrong(copy).items()
@@ -81,6 +83,7 @@ def test_a_vertex_off_its_curve_is_named_with_its_place(copy):
     assert file.part and len(file.problems) == 1 and not file.proof and file.note
 
 
+@pytest.mark.campaign
 def test_a_vertex_moved_within_the_tolerance_passes_by_measurement(copy):
     moved_vertex(copy, 1e-4)
     (certificate,) = gk.verify(copy)
@@ -138,7 +141,9 @@ def scaled(drawing):
     drawing.header["$INSUNITS"] = 6
 
 
-@pytest.mark.parametrize("change", [off, invisible, raised, with_block, scaled], ids=lambda change: change.__name__)
+@pytest.mark.parametrize(
+    "change", by_default([off, invisible, raised, with_block, scaled], slice(2)), ids=lambda change: change.__name__
+)
 def test_states_of_a_dxf_drawing_are_part_of_it(disk, monkeypatch, change):
     monkeypatch.setattr(ezdxf.options, "write_fixed_meta_data_for_testing", True)
     drawing = ezdxf.readfile(disk / "disk.dxf")
@@ -158,7 +163,7 @@ def shifted(group, by):
     return re.sub(r'(cx="|(?<=[M ]))([\d.]+)(,|")', moved, group)
 
 
-@pytest.mark.parametrize(("by", "passes"), [(0.5, True), (-9.0, False), (1000.0, False)])
+@pytest.mark.parametrize(("by", "passes"), by_default([(0.5, True), (-9.0, False), (1000.0, False)], slice(2)))
 def test_a_part_moved_on_the_sheet_passes_unless_it_meets_another(copy, by, passes):
     """The nesting may change; lines that cross cut both parts."""
     text = (copy / "bars.svg").read_text()
@@ -180,7 +185,7 @@ def test_parts_exchanged_under_their_names_are_found(copy):
     assert "bars.svg" in wrong(copy)
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", by_default(range(24), slice(8)))
 def test_damage_is_found(disk, good, seed):
     """One thing changed at random; campaigns try hundreds."""
     order = damage_folder(disk, [disk, good], random.Random(seed))
@@ -194,6 +199,7 @@ def test_a_colour_that_reads_as_a_number_is_none(colour):
     assert all(made_again.difference(other, content, kind).problems for kind in ("svg", "assembly-svg"))
 
 
+@pytest.mark.campaign
 def test_another_recipe_of_the_same_name_is_recognised(copy, tmp_path_factory):
     other = tmp_path_factory.mktemp("other")
     gk.make(gk.load(RECIPE.replace("rocker = 70", "rocker = 70.001")).with_name("bars"), other, ["svg"])
@@ -201,6 +207,7 @@ def test_another_recipe_of_the_same_name_is_recognised(copy, tmp_path_factory):
     assert set(wrong(copy)) == {"bars.svg"}
 
 
+@pytest.mark.campaign
 def test_a_search_that_its_time_limit_ended_is_named(tmp_path):
     """Another computer finds another linkage, so that its files cannot be compared."""
     wanted = {"poses": [[0, 0, 0], [20, 10, 20], [30, 30, 50]]}
@@ -356,6 +363,7 @@ def test_a_missing_file_and_a_wrong_folder(copy, tmp_path_factory):
         gk.verify(tmp_path_factory.mktemp("empty"))
 
 
+@pytest.mark.campaign
 def test_parts_a_little_off_whole_millimetres_of_the_sheet_pass(tmp_path, measuring):
     """Plates lie with their edges at whole millimetres, so that the origin of the crank is 0.0018 mm off."""
     recipe = {
