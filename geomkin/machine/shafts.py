@@ -276,7 +276,7 @@ class ShaftFit:
         else:
             ends = "fixed to each, with a collar at each end"
             shaft = f"one shaft goes through {bodies}, {ends}, instead of that of {joints}"
-        return f"{shaft}{discs}"
+        return f"{shaft}{discs}; where a step below puts one of these in, leave the hole open for the shaft"
 
     def checks(self, mechanisms: Sequence[PlacedMechanism]) -> Iterator[Check]:
         """Checks that the bores have the shaft's diameter and that it touches no body of the layers it crosses."""
