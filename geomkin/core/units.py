@@ -195,7 +195,9 @@ class LengthUnit:
             name = self.plural if unit == PLURAL else self.unit(unit)
 
             def in_unit(factor: float, spec: str) -> str:
-                return between.join(_written(number, factor, spec) for number in numbers.split(NEXT)[1:])
+                texts = [_written(number, factor, spec) for number in numbers.split(NEXT)[1:]]
+                # A range whose ends are written alike is one number.
+                return between.join(dict.fromkeys(texts) if between == " to " else texts)
 
             factor = self.mm ** int(power)
             text = f"{in_unit(factor, spec)} {name}".strip()

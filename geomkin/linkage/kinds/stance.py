@@ -207,12 +207,12 @@ class Stance:
                 f"It stands: its centre of mass, of {self.mass:.4g} kg, is "
                 f"{mm(x.min(), x.max(), between=' to '):.4g} along the path from its origin and "
                 f"{mm(y.min(), y.max(), between=' to '):.4g} along the shaft from its first outer face, at least "
-                f"{mm(margin):.2g} inside its feet. Rods and tubes of the frame are not weighed."
+                f"{mm(margin):down2} inside its feet. Rods and tubes of the frame are not weighed."
             )
         elif margin > 0 and np.ndim(self.centre) == 0:
             yield (
                 f"It stands if its weight is in the middle, {mm(self.centre.imag):.4g} from its first outer face: "
-                f"fix the battery so that it balances there, within {mm(margin):.2g}."
+                f"fix the battery so that it balances there, within {mm(margin):down2}."
             )
 
     @property
