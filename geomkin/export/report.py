@@ -18,8 +18,8 @@ from .svg import sheet
 from .tables import bill, write_plots
 from .text import capital, number
 
-# Name of the package that sets PDF, an extra of this one, and how to get it.
-TYPST, INSTALL = "typst", "pip install geomkin[report]"
+# Name of the package that sets PDF, an extra of this one.
+TYPST = "typst"
 # Significant digits of results.
 DIGITS = 6
 
@@ -105,7 +105,7 @@ def _typst() -> Any:
         return import_module(TYPST)
     except ImportError:
         problem = f"names a format of PDF, which the package {TYPST} sets, and it is not installed"
-        remedy = f"install it by `{INSTALL}`, or name report-md for Markdown and sheet-svg for the drawing"
+        remedy = f"install it by `pip install {TYPST}`, or name report-md for Markdown and sheet-svg for the drawing"
         raise DesignError("write", problem, remedy, "conflict") from None
 
 

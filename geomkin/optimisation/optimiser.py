@@ -51,7 +51,7 @@ Ranges = Annotated[
                 for pair in given.values()
             )
         ),
-        "a table of keys, each with its least and greatest value",
+        'a table of keys, each with its least and greatest value, such as {"linkage.rocker": (40, 90)}',
     ),
 ]
 Texts = Annotated[

@@ -61,7 +61,7 @@ def of_default(problem: str) -> str:
 def unknown_key(name: str, key: str, table: type, recipe: type, is_shown: bool) -> Problem:
     """The problem of a key that a table does not have. Similar names are only searched for if the problem is shown."""
     known = list(fields_of(table))
-    known += ["workshop"] if recipe is table and hasattr(recipe, "loaded_table") else []
+    known += recipe.applied_fields() if recipe is table and hasattr(recipe, "applied_fields") else []
     problem, remedy = "unknown key", f"known here: {', '.join(known)}"
     if not is_shown:
         return Problem(key, problem, remedy, "unknown-key")
@@ -69,18 +69,21 @@ def unknown_key(name: str, key: str, table: type, recipe: type, is_shown: bool) 
     headings = list(dict.fromkeys(heading for heading, _ in homes if heading.strip("[]") != here))
     kinds = [repr(kind) for heading, kind in homes if heading.strip("[]") == here and kind]
     near = f"did you mean {RENAMED[name]}? " if RENAMED.get(name) in known else did_you_mean(name, known)
+    in_loads = here.partition(".")[0] == "loads"
     is_load = bool(set(WORD.findall(name[:100].lower())) & set(SERVED_BY_LOADS.split()))
     if kinds:
         near = f"it is a key of kind = {' or '.join(kinds)}; "
+    elif {name.removesuffix("s"), f"{name}s"} & set(known):
+        pass  # A plural too many or too few, whatever other tables have.
     elif headings:
         near = f"it belongs under {' or '.join(headings[:3])}; "
     elif name in fields_of(recipe):
         near = "it belongs above the first [table], next to kind; "
-    elif is_load and not near and "loads" in fields_of(recipe):
+    elif is_load and not near and "loads" in fields_of(recipe) and not in_loads:
         near = "it belongs under [loads]; "
     elif (is_load or name == "loads") and not near and "mechanisms" in fields_of(recipe):
         near = "it belongs in the recipe of a mechanism, under [mechanisms.NAME.recipe.loads]; "
-    elif not near and (topic := _unsupported(name)):
+    elif not near and not (is_load and in_loads) and (topic := _unsupported(name)):
         near = _nearest_of(topic, recipe)
         problem = problem if near else f"unknown key: recipes of this kind do not cover {topic}"
     return Problem(key, problem, near + remedy, "unknown-key")

@@ -88,6 +88,8 @@ def _parsed(key: str, entry: str) -> list[Any]:
     """The values of one entry: those of a range, a TOML value, or the entry itself as a text."""
     if (match := RANGE.fullmatch(entry)) is not None:
         return _range(key, entry, *(Decimal(number) for number in match.groups()))
+    if re.fullmatch(rf"\s*{NUMBER}\s*[:-]\s*{NUMBER}\s*", entry):
+        raise DesignError(key, f"found {shown(entry.strip())}", "give start:stop:step, such as 50:80:5", "wrong-type")
     try:
         table = tomllib.loads(f"value = {entry.strip()}\n")
     except (ValueError, RecursionError):

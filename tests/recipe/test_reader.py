@@ -151,3 +151,19 @@ def test_a_value_that_nobody_wrote_is_named_as_the_default(table, key, value, is
         from_table(written)
     (problem,) = refused.value.problems
     assert problem.key == key and f"{value:g}" in problem.problem and ("default" in problem.problem) != is_written
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "advised", "not_advised"),
+    [
+        ({"linkages": {"crank": 1}}, "linkages", "linkage?", "[tolerances]"),
+        ({"loads": {"mass_lb": 1}}, "loads.mass_lb", "carried", "under [["),
+        ({"loads": {"carried": [{"mass_lb": 1}]}}, "loads.carried[0].mass_lb", "mass_kg", "under ["),
+        ({"scales": 2}, "scales", "scale", "under ["),
+    ],
+)
+def test_unknown_key_is_not_sent_where_it_stands_or_does_not_belong(change, key, advised, not_advised):
+    with pytest.raises(RecipeError) as refused:
+        gk.load(FOUR_BAR | change)
+    (remedy,) = (problem.remedy for problem in refused.value.problems if problem.key == key)
+    assert advised in remedy and not_advised not in remedy

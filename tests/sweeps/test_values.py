@@ -32,6 +32,8 @@ def test_invalid_values_are_refused():
         ("1,,2", "a.b", "wrong-type", "1,,2"),
         (" 3:1:1", "a.b", "wrong-type", "'3:1:1'"),
         (f"0:{MOST}:1", "a.b", "too-much-work", "1.01"),
+        ("50:80", "a.b", "wrong-type", "start:stop:step"),
+        ("1, 50 - 80", "a.b", "wrong-type", "start:stop:step"),
         ([], "a.b", "missing-key", ""),
     ]:
         with pytest.raises(gk.DesignError) as refusal:
