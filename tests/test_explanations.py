@@ -70,6 +70,10 @@ def test_the_command_explains_checks_and_terms_and_refuses_others():
     assert CHECKS["wall"]["remedy"] in both and REFUSALS["out-of-range"] in both
     wrong = runner.invoke(cli, ["explain", "transmision_angle"])
     assert wrong.exit_code == 2 and "transmission_angle" in wrong.output
+    part = runner.invoke(cli, ["explain", "grashof"])
+    assert part.exit_code == 0 and TERMS["Grashof's condition"] in part.output
+    several = runner.invoke(cli, ["explain", "pressure"])
+    assert several.exit_code == 2 and "pressure angle" in several.output and "pin_pressure" in several.output
     assert len(TERMS) >= 30
 
 

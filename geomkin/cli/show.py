@@ -67,16 +67,20 @@ def explain(words: tuple[str, ...]) -> None:
     the output of `--json`, such as `out-of-range`.
     """
     from ..core.errors import harmless, printable
-    from ..model.explanations import CHECKS, REFUSALS, TERMS, explained
+    from ..model.explanations import CHECKS, REFUSALS, TERMS, explained, named_like
     from ..recipe.search import did_you_mean
 
     text = " ".join(words)
     # A term may have several words; otherwise each word is an id.
     each = [explained(word) for word in words]
     found = explained(text) if len(words) == 1 or None in each else "\n".join(filter(None, each))
+    similar = [] if found else named_like(text)
+    if len(similar) == 1:
+        found = explained(similar[0])
     if found is None:
         known = [*CHECKS, *REFUSALS, *TERMS]
-        remedy = f"{did_you_mean(text, known)}the terms are {', '.join(TERMS)}"
+        meant = f"did you mean {' or '.join(similar)}?" if 0 < len(similar) < 9 else did_you_mean(text, known).rstrip()
+        remedy = meant or f"the terms are {', '.join(TERMS)}"
         raise click.BadParameter(f"nothing is known of {printable(text)!r}; {remedy}", param_hint="ID_OR_TERM")
     click.echo("\n".join(map(harmless, found.split("\n"))))
 

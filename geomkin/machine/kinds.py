@@ -437,13 +437,14 @@ def checks_of(machine: MachineRecipe, kind: Literal["design_checks", "motion_che
     for name, recipe in machine.recipes.items():
         # A recipe in a file of its own has no keys in this one.
         is_file, key = machine.mechanisms[name].recipe.is_in_own_file, f"mechanisms.{name}.recipe"
+        is_scaled = (recipe.loaded_table or {}).get("scale", 1) != 1
         with errors_of(name):
             checks: tuple[Check, ...] = getattr(recipe, kind)
         for check in checks:
             if check.id == "motor_torque":
                 continue  # The machine has one check of the motor on its driver.
             id, reason = f"{name}_{check.id}".replace(" ", "_"), recipe.expected_failures.get(check.id, "")
-            inner = () if is_file else tuple(suggestion.under(key) for suggestion in check.suggestions)
+            inner = () if is_file or is_scaled else tuple(suggestion.under(key) for suggestion in check.suggestions)
             yield replace(
                 check, id=id, name=f"{name}: {check.name}", column="", at=None, expected=reason, suggestions=inner
             )

@@ -40,3 +40,11 @@ def explained(text: str) -> str | None:
         lines.append(f"{wanted}: {CHECKS[key]['name']}")
         lines += [f"  {word + ':':9} {about}" for word, about in explained_check(id).items()]
     return "\n".join(lines) or None
+
+
+def named_like(text: str) -> list[str]:
+    """Ids and terms with a text in their names; if there are none, those whose explanations have it."""
+    wanted = text.strip().casefold()
+    abouts = {**TERMS, **{id: entry["meaning"] for id, entry in CHECKS.items()}, **REFUSALS}
+    named = [name for name in abouts if wanted in name.casefold().replace("_", " ")]
+    return named or [name for name, about in abouts.items() if wanted in about.casefold()]

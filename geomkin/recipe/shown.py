@@ -5,13 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
-from ..core.units import MM, UNITS, LengthUnit
+from ..core.errors import shown
+from ..core.field_visitor import key_parts
+from ..core.units import MM, START, UNITS, LengthUnit
 from ..model.check import Check, Suggestion, WorkedFormula
 from ..model.part import Bought, Part
 from ..model.scene import Choice, Limit, Plot, Scene
 from ..model.table import Table, table_in
 from ..plane.vec import Real
+from .keys import varied
+from .load import whole_table
 from .recipe import AbstractRecipe
 from .search import did_you_mean
 
@@ -64,7 +69,13 @@ class ShownRecipe:
     def _shown(self, checks: tuple[Check, ...]) -> tuple[Check, ...]:
         has_positions = self.unit is not MM and any(check.at is not None for check in checks)
         slides = has_positions and self.recipe.table.columns[0].unit == "mm"
-        return tuple(check_in(self.unit, check, slides) for check in checks)
+        scale = (self.recipe.loaded_table or {}).get("scale", 1.0)
+        return tuple(
+            before_scaling(self.recipe, check_in(self.unit, check, slides), scale)
+            if scale != 1 and not check.passed and (check.suggestions or START in check.advice)
+            else check_in(self.unit, check, slides)
+            for check in checks
+        )
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -124,6 +135,25 @@ class ShownRecipe:
     def texts(self, lines: Iterable[str]) -> tuple[str, ...]:
         """Lines of text."""
         return tuple(map(self.unit.text, lines))
+
+
+def before_scaling(recipe: AbstractRecipe, check: Check, scale: float) -> Check:
+    """The check with suggestions for the recipe as it was written: its key `scale` will multiply them again."""
+    suggestions = []
+    for suggestion in check.suggestions:
+        written = whole_table(varied(recipe)[0].opened(suggestion.values).at_scale(1 / scale))
+        values: dict[str, Any] = {}
+        for key in suggestion.values:
+            place: Any = written
+            for part in key_parts(key):
+                place = place[part]
+            values[key] = place
+        suggestions.append(replace(suggestion, values=values))
+    texts = (", ".join(f"{key} = {shown(value)}" for key, value in one.values.items()) for one in suggestions)
+    words = f"; in the recipe write {' or '.join(texts)}" if suggestions else ""
+    return replace(
+        check, suggestions=tuple(suggestions), advice=f"{check.advice} (sizes after scale = {scale:g}{words})"
+    )
 
 
 def check_in(unit: LengthUnit, check: Check, slides: bool = False) -> Check:

@@ -1,16 +1,18 @@
 """Advice that names a value: with the value the check passes, and the recipe is accepted."""
 
 import dataclasses
+import tomllib
 from pathlib import Path
 
 import pytest
 
 import geomkin as gk
 from geomkin.build import errors_named_by_key
-from geomkin.recipe.keys import varied
+from geomkin.recipe.keys import varied, with_values
 from geomkin.recipe.kinds import kind_names
 from geomkin.recipe.load import shown_numbers
 from geomkin.recipe.shown import ShownRecipe
+from tests.gallery import RECIPES
 from tests.texts import template_of
 
 CASES = Path(__file__).parents[1] / "cases"
@@ -88,6 +90,25 @@ def test_a_check_passes_with_each_value_that_it_suggests(name, units):
     for id in ids:
         for suggestion in checks[id].suggestions:
             again = {check.id: check for check in source.opened(suggestion.values).checks}
+            assert id not in again or again[id].passed, (suggestion, again[id])
+
+
+def walker_that_tips():
+    table = tomllib.loads((RECIPES / "motor-walker.toml").read_text())
+    return with_values(table, {"loads.carried": [{"mass_kg": 2, "along": 100, "across": 20}]})
+
+
+@pytest.mark.parametrize("name", ["straight follower", "arm", "counterbalance", "tolerance of an angle", "walker"])
+def test_a_check_of_a_scaled_recipe_passes_with_each_value_that_is_written_into_it(name):
+    """Which its key `scale` multiplies again."""
+    make, ids = (walker_that_tips, {"support_margin"}) if name == "walker" else FAILING[name]
+    made = make()
+    table = (tomllib.loads(made) if isinstance(made, str) else made) | {"scale": 1.7}
+    checks = failed(gk.load(table))
+    assert ids <= set(checks)
+    for id in ids:
+        for suggestion in checks[id].suggestions:
+            again = {check.id: check for check in gk.load(with_values(table, suggestion.values)).checks}
             assert id not in again or again[id].passed, (suggestion, again[id])
 
 
