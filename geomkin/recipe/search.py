@@ -156,4 +156,6 @@ def _similarity(words: list[str], others: list[str]) -> float:
     has_all_words = all(any(is_similar(word, other) for other in others) for word in words)
     # One of several words may be the name of something else.
     is_within = whole >= 0.6 and all(any(is_similar(word, other) for word in words) for other in others)
-    return whole if has_all_words or is_within or whole >= 0.85 else 0.0
+    # The same words are nearer than a similar spelling: a pdf is a sheet-pdf rather than a dxf.
+    same = float(set(words) <= set(others))
+    return same + whole if same or has_all_words or is_within or whole >= 0.85 else 0.0
