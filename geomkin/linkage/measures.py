@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from itertools import combinations, permutations
 from typing import Literal, NamedTuple
@@ -11,7 +12,7 @@ import numpy as np
 from ..core.arguments import checked
 from ..core.errors import DesignError
 from ..core.records import record
-from ..core.units import Sentence, mm
+from ..core.units import Sentence, mm, to_digits
 from ..model.motor import RotatingBody
 from ..plane.primitives import convex_hull
 from ..plane.vec import Complex, Real, Whole, cross, dot, unit
@@ -216,34 +217,86 @@ def _transmission_extremes(motion: Motion, *signs: Literal[1, -1]) -> tuple[list
 # deg. A body that moves through less is at rest, and one that moves through more may turn fully: its ends between
 # frames are not known.
 AT_REST_DEG, ALL_ROUND_DEG = 1e-6, 350.0
+# rad by which a whole turn of the driver may differ from one.
+WHOLE_TURN = 1e-9
 
 
-def swings(motion: Motion) -> dict[str, tuple[float, float]]:
-    """Least and largest direction, deg from +x, of each body that swings about a fixed pin, also between frames.
+class Ends(NamedTuple):
+    """Ends of what moves there and back: least and largest direction, deg from +x, or place along a slide, mm.
+
+    time_ratio: time of the slower of both strokes over that of the other while the driver turns fully at a constant
+    speed; nan if it does not turn fully, or the follower turns back more often.
+    """
+
+    least: float
+    largest: float
+    time_ratio: float
+
+    @property
+    def between(self) -> float:
+        """The swing or stroke."""
+        return self.largest - self.least
+
+    @property
+    def ratio_text(self) -> str:
+        """The time ratio behind a sentence, if it is known."""
+        return f"; time ratio {self.time_ratio:.4g}" if np.isfinite(self.time_ratio) else ""
+
+    def entry(self, between: str) -> dict[str, float]:
+        """Its entry of a summary; between: name of the swing or stroke."""
+        ends = {"from": to_digits(self.least, 10), "to": to_digits(self.largest, 10)}
+        ratio = {"time_ratio": to_digits(self.time_ratio, 4)} if np.isfinite(self.time_ratio) else {}
+        return {**ends, between: to_digits(self.between, 10), **ratio}
+
+
+def swings(motion: Motion) -> dict[str, Ends]:
+    """Ends of the direction, deg from +x, of each body that swings about a fixed pin, also between frames.
 
     Of the driver, of a body that turns fully, and of a linkage that does not close everywhere there is none.
     """
-    linkage, middles = motion.linkage, dict[str, float]()
+    linkage = motion.linkage
     fixed = linkage.bodies[linkage.ground].keys() & linkage.pins.keys()
-    for name, points in linkage.bodies.items() if motion.assembled.all() else ():
-        angles = unwrapped_deg(motion.bodies[name].direction)
-        is_follower = name not in (linkage.ground, linkage.driver) and points.keys() & fixed
-        if is_follower and AT_REST_DEG < np.ptp(angles) < ALL_ROUND_DEG:
-            middles[name] = float(angles.min() + angles.max()) / 2
-    if not middles:
+    angles = {
+        name: unwrapped_deg(motion.bodies[name].direction)
+        for name, points in linkage.bodies.items()
+        if name not in (linkage.ground, linkage.driver) and points.keys() & fixed
+    }
+    swung = {name: row for name, row in angles.items() if AT_REST_DEG < np.ptp(row) < ALL_ROUND_DEG}
+
+    def turned_from(moved: Motion, name: str, middle: float) -> Real:
+        turned: Real = np.angle(moved.bodies[name].direction * np.exp(-1j * np.radians(middle)), deg=True)
+        return turned
+
+    return _ends(motion, swung, turned_from)
+
+
+def strokes(motion: Motion) -> dict[str, Ends]:
+    """Ends of the place, mm, of each slide on the ground besides that of the driver, also between frames."""
+    linkage = motion.linkage
+    slides = [s for s in linkage.sliders if s.along == linkage.ground and s.body != linkage.driver]
+    places = {slide.name: motion.slide(slide.name).displacement for slide in slides}
+    return _ends(motion, places, lambda moved, name, middle: moved.slide(name).displacement - middle)
+
+
+def _ends(motion: Motion, rows: Mapping[str, Real], moved_by: Callable[[Motion, str, float], Real]) -> dict[str, Ends]:
+    """The ends of quantities with these values at the frames; moved_by: their differences from a middle."""
+    if not rows or not motion.assembled.all():
         return {}
+    middles = {name: float(row.min() + row.max()) / 2 for name, row in rows.items()}
 
     def both_ways(moved: Motion) -> Real:
-        """Angles from the middles in both senses, deg."""
-        apart = [
-            np.angle(moved.bodies[name].direction * np.exp(-1j * np.radians(middle)), deg=True)
-            for name, middle in middles.items()
-        ]
+        apart = [moved_by(moved, name, middle) for name, middle in middles.items()]
         return np.concatenate([np.negative(apart), apart])
 
-    lower, upper = largest_between(motion, both_ways)[0].reshape(2, -1).tolist()
+    (below, above), (low, high) = (both.reshape(2, -1) for both in largest_between(motion, both_ways))
+    turn = abs(motion.drive[-1] - motion.drive[0])
+    is_whole = motion.linkage.driven_slider is None and abs(turn - 2 * np.pi) < WHOLE_TURN
+    reversals = [np.count_nonzero(np.diff(np.sign(np.diff(row, append=row[1])))) for row in rows.values()]
+    share = np.where(is_whole & (np.array(reversals) == 2), np.abs(high - low) / (2 * np.pi), np.nan)
+    ratios = np.maximum(share, 1 - share) / np.minimum(share, 1 - share)
     return {
-        name: (middle - below, middle + above) for (name, middle), below, above in zip(middles.items(), lower, upper)
+        name: Ends(middle - float(b), middle + float(a), float(ratio))
+        for (name, middle), b, a, ratio in zip(middles.items(), below, above, ratios)
     }
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
-from geomkin.linkage.measures import swings
+from geomkin.linkage.measures import strokes, swings
 
 
 @pytest.mark.parametrize("frames", [37, 361])
@@ -16,7 +16,24 @@ def test_rocker_swings_between_its_dead_centres(frames):
         corner = np.arccos((ground**2 + rocker**2 - apart**2) / (2 * ground * rocker))
         ends.append(180 - np.degrees(corner))
     assert swings(motion).keys() == {"rocker"}
-    assert swings(motion)["rocker"] == pytest.approx(sorted(ends), abs=1e-9)
+    assert swings(motion)["rocker"][:2] == pytest.approx(sorted(ends), abs=1e-9)
+
+
+@pytest.mark.parametrize("turn", [2 * np.pi, -2 * np.pi])
+def test_stroke_and_time_ratio_of_an_offset_slider_crank_are_those_of_its_dead_centres(turn):
+    crank, coupler, offset = 30, 80, 25
+    motion = gk.move(gk.SliderCrank(crank=crank, coupler=coupler, offset=offset), np.linspace(0, turn, 73))
+    far, near = (np.sqrt((coupler + way * crank) ** 2 - offset**2) for way in (1, -1))
+    # Angle between the two positions in which crank and coupler are in line.
+    apart = np.arcsin(offset / (coupler - crank)) - np.arcsin(offset / (coupler + crank))
+    (ends,) = strokes(motion).values()
+    assert ends.between == pytest.approx(far - near, abs=1e-9)
+    assert ends.time_ratio == pytest.approx((np.pi + apart) / (np.pi - apart), abs=1e-6)
+
+
+def test_part_of_a_turn_has_no_time_ratio():
+    motion = gk.move(gk.FourBar(100, 30, 90, 70), np.linspace(0, 6, 73))
+    assert np.isnan(swings(motion)["rocker"].time_ratio) and strokes(motion) == {}
 
 
 def test_bodies_that_turn_fully_or_do_not_close_have_no_swing():

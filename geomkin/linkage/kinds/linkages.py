@@ -9,9 +9,9 @@ from typing import Any, ClassVar
 
 from ...core.errors import DesignError
 from ...core.field_visitor import key_parts
-from ...core.fields import entry, to_digits
+from ...core.fields import entry
 from ...core.records import record
-from ...core.units import UNITS
+from ...core.units import UNITS, mm
 from ...gear.checks import mesh_checks
 from ...gear.kinds.helical import gear_notes, mesh_notes
 from ...making.attachments import hub_thickness
@@ -223,21 +223,26 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
     @property
     def own_notes(self) -> tuple[Mapping[str, object], Mapping[str, object]]:
         """Range of the driver and links that turn fully; masses and the stack of plates."""
-        found = {
-            name: {"from": to_digits(least, 10), "to": to_digits(most, 10), "swing": to_digits(most - least, 10)}
-            for name, (least, most) in self.made.swings.items()
-        }
-        swung = {"swings_deg": found} if found else {}
-        before = {**self.made.reaches(self.made.branch), **swung, **self.turning, **_gear_notes(self.made)}
+        swung = {"swings_deg": {name: ends.entry("swing") for name, ends in self.made.swings.items()}}
+        slid = {"strokes_mm": {name: ends.entry("stroke") for name, ends in self.made.strokes.items()}}
+        moved = {key: each for key, each in (swung | slid).items() if each}
+        before = {**self.made.reaches(self.made.branch), **moved, **self.turning, **_gear_notes(self.made)}
         return before, {**mass_summary(self), "stack": self.made.stack_summary}
 
     @property
     def facts(self) -> tuple[str, ...]:
-        """How far bodies swing."""
-        return tuple(
-            f"{name.replace('_', ' ')} swings by {most - least:.5g} deg, from {least:.5g} to {most:.5g} deg"
-            for name, (least, most) in self.made.swings.items()
+        """How far bodies swing and slides move."""
+        swung = (
+            f"{name.replace('_', ' ')} swings by {ends.between:.5g} deg, "
+            f"from {ends.least:.5g} to {ends.largest:.5g} deg{ends.ratio_text}"
+            for name, ends in self.made.swings.items()
         )
+        slid = (
+            f"{name.replace('_', ' ')} moves by {mm(ends.between):.5g}, "
+            f"from {mm(ends.least, ends.largest, between=' to '):.5g}{ends.ratio_text}"
+            for name, ends in self.made.strokes.items()
+        )
+        return (*swung, *slid)
 
     @cached_property
     def rotating_bodies(self) -> Mapping[str, RotatingBody]:
