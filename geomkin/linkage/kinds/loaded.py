@@ -291,7 +291,7 @@ class LoadsAspect(AbstractLinkageForces):
             yield check
         else:
             slower = Suggestion({"drive.speed_rpm": rpm}, "rpm")
-            words = f"{check.advice}; or give speed_rpm = {rpm:g} in [drive]"
+            words = f"{marked(check.advice)}; or give speed_rpm = {rpm:g} in [drive]"
             yield replace(check, advice=words, suggestions=(*check.suggestions, slower))
 
     def _slower_rpm(self, motor: Motor) -> float:

@@ -400,7 +400,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
             problem = f"found {stock.motor}, which is below ground, where the counterweight turns on the crank's shaft"
             raise DesignError("stock.motor", problem, "omit it", "conflict")
         holes = (Circle(0j, hole), Circle(complex(-radius), hole))
-        fits = 2 * (HoleFit(stock.pin_diameter, stock.clearance, iso_fit=stock.pin_fit),)
+        fits = 2 * (HoleFit(stock.pin_diameter, stock.pin_clearance, iso_fit=stock.pin_fit),)
         disc, letters = Circle(complex(-radius / 2), radius), ("A", "")
         material = Material("counterweight", self.weight_density)
         return [
