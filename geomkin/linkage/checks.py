@@ -280,7 +280,9 @@ def linkage_checks(motion: Motion) -> tuple[Check, ...]:
         if turns
         else "give a shorter stroke"
     )
-    share = reached(motion, f"{driver}'s {'turn' if turns else 'stroke'}", f"{marked(opens.text)}; {advice}" if opens else advice)
+    share = reached(
+        motion, f"{driver}'s {'turn' if turns else 'stroke'}", f"{marked(opens.text)}; {advice}" if opens else advice
+    )
     transmission = transmission_check(motion)
     return (share,) if motion.assembled.any() and np.isnan(transmission.value) else (share, transmission)
 
@@ -302,6 +304,12 @@ def hole_check(hole_diameter: PositiveFloat, thickness: PositiveFloat) -> Check:
     advice = "smaller holes burn or break out when cut"
     ratio, least = hole_diameter / thickness, LEAST_HOLE_TO_THICKNESS
     return Check("pin_hole", "pin hole to thickness", ratio, "at least", least, "", advice)
+
+
+def collision_advice(collisions: Sequence[object]) -> str:
+    """Advice that names the first pair that meets, and the number of others."""
+    more = f", and {len(collisions) - 1} more" if len(collisions) > 1 else ""
+    return f"{marked(str(collisions[0]))}{more}: give narrower bars or other lengths" if collisions else ""
 
 
 @checked

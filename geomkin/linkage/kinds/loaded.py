@@ -11,7 +11,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import to_digits, to_digits_or_none
 from ...core.records import record
-from ...core.units import mm, rounded_down
+from ...core.units import marked, mm, rounded_down
 from ...making.attachments import ActuatorDuty
 from ...making.motors import (
     motor_check,

@@ -26,6 +26,7 @@ from ..checks import (
     LEAST_ANGLE_OF_POLYGONS_DEG,
     MOST_FORCE_TO_BEST,
     assembly_failure,
+    collision_advice,
     collision_check,
     in_driver_unit,
     reached,
@@ -369,7 +370,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
                 at=at,
                 suggestions=suggestions,
             ),
-            collision_check(len(self.made.stack.collisions), "see summary.json"),
+            collision_check(len(self.made.stack.collisions), collision_advice(self.made.stack.collisions)),
             *self.drive.checks,
         )
 

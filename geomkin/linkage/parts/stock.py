@@ -64,8 +64,8 @@ class LinkStock:
         default="",
     )
     fastener: Literal["screw", "rod"] | None = entry(
-        "screws with nuts, or rods cut flush; by default screws if the sheet carries those of pin_diameter and there is "
-        "no pin_fit",
+        "screws with nuts, or rods cut flush; by default screws if the sheet carries those of pin_diameter, and rods "
+        "with a pin_fit",
         default=None,
     )
     play: float = quantity("axial play along a pin, so that its plates turn", "mm", default=0.2, at_least=0, at_most=10)
