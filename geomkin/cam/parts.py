@@ -18,6 +18,7 @@ from ..making.assembly import (
     BaseOpening,
     BaseStock,
     collar_across,
+    collar_bill,
     collar_width,
     pin_bill,
     standing_plate,
@@ -409,7 +410,12 @@ def _add_roller(builder: AssemblyBuilder, plates: tuple[FollowerPlate, ...], sto
         return
     letter = LETTERS["roller_bore"]
     pin_name = letter if builder.lettered else "its pin"
-    builder.pins(letter, "roller", stock.roller_bore, bars * stock.thickness)
+    if bars > 1:
+        builder.pins(letter, "roller", stock.roller_bore, bars * stock.thickness)
+    else:
+        # A stem that is not supplied holds the pin.
+        length = stock.thickness + collar_width(stock.roller_bore)
+        builder.buy("roller", (*pin_bill(stock.roller_bore, length), *collar_bill(stock.roller_bore)))
     builder.add_step(layer, f"lay roller on {pin_name} so that it turns freely; fit a collar on {pin_name}, with play")
 
 

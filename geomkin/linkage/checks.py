@@ -231,10 +231,16 @@ def in_driver_unit(motion: Motion, drive: float) -> float:
     return drive if motion.linkage.driven_slider else float(np.degrees(drive))
 
 
-def transmission_check(motion: Motion, advice: str = "") -> Check:
+def transmission_check(motion: Motion) -> Check:
     """The least transmission angle over the motion, deg."""
     least, drive = transmission_extreme(motion, -1)
     at = None if np.isnan(least) else in_driver_unit(motion, drive)
+    driver, turns = motion.linkage.driver, motion.linkage.driven_slider is None
+    change = f"such as that of the {driver}, or give a smaller range of it" if turns else "or give a shorter stroke"
+    advice = f"change the link lengths, {change}"
+    if at is not None:
+        shown = f"{round(at, 2) + 0.0:g} deg" if turns else f"{mm(at):.4g}"
+        advice = f"it is least at {printable(driver)} {shown}: {advice}"
     name, column, limit = "least transmission angle", "transmission_angle", LEAST_TRANSMISSION_ANGLE_DEG
     return Check("transmission_angle", name, least, "at least", limit, "deg", advice, column, at)
 
@@ -274,8 +280,10 @@ def linkage_checks(motion: Motion) -> tuple[Check, ...]:
         if turns
         else "give a shorter stroke"
     )
-    share = reached(motion, f"{driver}'s {'turn' if turns else 'stroke'}", f"{opens}; {advice}" if opens else advice)
-    transmission = transmission_check(motion, "near a dead centre: change the link lengths")
+    share = reached(
+        motion, f"{driver}'s {'turn' if turns else 'stroke'}", f"{marked(opens.text)}; {advice}" if opens else advice
+    )
+    transmission = transmission_check(motion)
     return (share,) if motion.assembled.any() and np.isnan(transmission.value) else (share, transmission)
 
 
@@ -296,6 +304,12 @@ def hole_check(hole_diameter: PositiveFloat, thickness: PositiveFloat) -> Check:
     advice = "smaller holes burn or break out when cut"
     ratio, least = hole_diameter / thickness, LEAST_HOLE_TO_THICKNESS
     return Check("pin_hole", "pin hole to thickness", ratio, "at least", least, "", advice)
+
+
+def collision_advice(collisions: Sequence[object]) -> str:
+    """Advice that names the first pair that meets, and the number of others."""
+    more = f", and {len(collisions) - 1} more" if len(collisions) > 1 else ""
+    return f"{marked(str(collisions[0]))}{more}: give narrower bars or other lengths" if collisions else ""
 
 
 @checked

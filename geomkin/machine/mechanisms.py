@@ -16,6 +16,7 @@ from ..core.field_visitor import WrittenForm
 from ..core.fields import FARTHEST, entry, quantity
 from ..core.names import LONGEST, read_text_file
 from ..core.records import record
+from ..core.units import marked
 from ..model.part import Part
 from ..model.scene import Plot, Scene, SceneBody, SceneHandle
 from ..model.table import Column, Table
@@ -221,7 +222,7 @@ class PlacedMechanism:
                 place=placement.place(mark.place),
                 vector=turned(mark.vector),
                 direction=turned(mark.direction),
-                label=f"{self.name} {mark.label}" if mark.label else "",
+                label=f"{self.name} {marked(mark.label)}" if mark.label else "",
             )
             for mark in own.marks
         )
@@ -275,7 +276,7 @@ class PlacedMechanism:
                 yield replace(
                     handle,
                     id=f"{self.name}/{handle.id}",
-                    label=f"{self.name}: {handle.label}",
+                    label=f"{self.name}: {marked(handle.label)}",
                     keys=tuple(f"mechanisms.{self.name}.recipe.{key}" for key in handle.keys),
                     at=self.placement.place(at),
                     arrow=complex(self.placement.vector(handle.arrow)),
@@ -295,7 +296,9 @@ class PlacedMechanism:
         for column in self._own_scene.table.columns[1:]:
             if column.unit in UNITS:
                 yield replace(
-                    column, id=f"{self.name}_{column.id}", meaning=f"{self.name}, in its own frame: {column.meaning}"
+                    column,
+                    id=f"{self.name}_{column.id}",
+                    meaning=f"{self.name}, in its own frame: {marked(column.meaning)}",
                 )
 
     @property

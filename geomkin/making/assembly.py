@@ -521,4 +521,4 @@ def seated(part: str, letter: str, stock: AbstractBored) -> str:
         return f"{verb} {part} on {shaft} with its key (the shaft needs a keyway {mm(width):g} wide)"
     if stock.is_pressed:
         return f"press {part} on {shaft}"
-    return f"lay {part} on {shaft} (it turns on the shaft unless you glue it)"
+    return f"lay {part} on {shaft} (it turns on the shaft unless you glue it; the bill has no glue for it)"

@@ -44,6 +44,11 @@ def is_stock(key: str) -> bool:
     return key == "base" or key.endswith("stock")
 
 
+def _have_clearance(parts: Iterable[Part]) -> bool:
+    """Whether a hole of these parts is wider by a clearance, not by a fit of ISO 286."""
+    return any(fit and not fit.iso_fit and not fit.is_press for part in parts for fit in part.fits)
+
+
 @record(kw_only=True)
 class _Shared:
     """Keys of every kind."""
@@ -271,6 +276,7 @@ class AbstractRecipe(_Shared, _InSentences, AbstractPlaced, AbstractEdited, ABC)
                 continue
             is_pressed = "press" in (getattr(table, "fit", ""), getattr(table, "mate_fit", ""))
             has_class = any(getattr(table, name, "") for name in ("pin_fit", "iso_fit"))
+            has_class = has_class and not _have_clearance(self.parts)
             stock = ("interference",) * is_pressed if has_class else ("clearance", *["interference"] * is_pressed)
             stock = stock if self.printing is None else tuple(fit for fit in stock if fit != "clearance")
             fits = stock if is_stock(key) else ("kerf",) * (key == "files")

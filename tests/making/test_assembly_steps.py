@@ -114,3 +114,19 @@ def test_steps_go_upwards_with_every_part_and_the_bill_has_the_rest(name):
     layers = layers_of(recipe.steps)
     assert layers == sorted(set(layers)) and layers[0] == 1
     assert all(part.name in steps for part in recipe.parts if part.name not in ("disc", "spacer"))
+
+
+@pytest.mark.parametrize("base", ["", "base = {}\n"])
+@pytest.mark.parametrize("follower", ["translating-roller", "oscillating-roller"])
+@pytest.mark.parametrize("fit", ["running", "H7/k6", "press"])
+def test_glue_is_bought_where_a_step_glues_a_pin(fit, follower, base):
+    swings = follower.startswith("oscillating")
+    sizes, rise = (", arm_length = 60, pivot_distance = 70", "rise_deg = 15") if swings else ("", "rise = 10")
+    recipe = gk.load(
+        f'kind = "disk-cam"\n{base}stock = {{bore = 12, fit = "{fit}"}}\n[cam]\nbase_radius = 30\n'
+        f'follower = {{kind = "{follower}", roller_radius = 8{sizes}}}\n[[cam.program]]\nkind = "rise"\nlaw = "cycloidal"\n'
+        f'{rise}\nend_deg = 180\n[[cam.program]]\nkind = "return"\nlaw = "cycloidal"\nend_deg = 360\n'
+    )
+    pins = sum(int(count or 1) for step in recipe.steps for count in re.findall(r"glue (?:the |(\d) )?pin", step))
+    assert sum(item.count for item in recipe.bought if "glue" in item.name) == pins
+    assert pins == (2 if swings and base else 1 if swings else 3 if base else 0)

@@ -129,6 +129,33 @@ def test_rods_are_bought_by_the_class_of_their_fit():
     assert "pin_fit" in check.advice
 
 
+def test_spacers_and_attachments_keep_the_clearance():
+    hub = {"body": "coupler", "at": [50, 30], "name": "hub", "bolts": 3, "bolt_circle": 17}
+    stock = {"pin_diameter": "M4", "pin_fit": "H7/g6", "clearance": 0.3, "attachments": [hub]}
+    linkage = {"crank": 30, "coupler": 100}
+    recipe = gk.load({"kind": "slider-crank", "linkage": linkage, "stock": stock})
+    fits = {(fit.diameter, fit.iso_fit, round(fit.play, 9)) for part in recipe.parts for fit in part.fits}
+    assert fits == {(4.0, "H7/g6", 0.006), (4.0, "", 0.3), (3.0, "", 0.3)}
+    assert recipe.stock.clearance == 0.3
+    # A thread has no class: the pins are rods, and a screw is refused.
+    assert recipe.stock.fastener_used.form == "rod"
+    with pytest.raises(gk.RecipeError, match="stock.pin_fit"):
+        gk.load({"kind": "slider-crank", "linkage": linkage, "stock": {**stock, "fastener": "screw"}})
+
+
+def test_a_clearance_is_assumed_if_a_hole_has_it():
+    assert "stock.clearance" not in gear(fit="H7/g6").assumed_fits
+    # The pin of the roller has no class.
+    dwell = {"kind": "dwell", "end_deg": 360}
+    cam = {"base_radius": 30, "program": [dwell], "follower": {"kind": "translating-roller", "roller_radius": 8}}
+    stock = {"bore": 12, "fit": "H7/k6"}
+    assert "stock.clearance" in gk.load({"kind": "disk-cam", "cam": cam, "stock": stock}).assumed_fits
+    assert (
+        "stock.clearance"
+        not in gk.load({"kind": "disk-cam", "cam": cam, "stock": {**stock, "roller_bore": 0}}).assumed_fits
+    )
+
+
 @pytest.mark.parametrize(
     ("stock", "key"),
     [

@@ -13,7 +13,7 @@ from ...core.arguments import between
 from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
-from ...core.units import mm
+from ...core.units import marked, mm
 from ...model.check import Check
 from ...model.scene import Limit, Plot, Scene, SceneCurve, SceneHandle, point_handle
 from ...model.table import Column, Table
@@ -21,6 +21,7 @@ from ...plane.primitives import Segment
 from ...plane.vec import dot, rounded
 from ...recipe.aspect import AbstractAspect
 from ...recipe.settings import Stroke, Turn
+from ..checks import assembly_failure
 from ..dwell import longest_dwell
 from ..instant.polygons import component_plots, components_check
 from ..linkage import Linkage
@@ -161,7 +162,7 @@ class BothModesAspect(AbstractLinkageAspect[bool]):
     def columns(self, table: Table) -> Iterator[Column]:
         # Both modes have the same columns of driver and time.
         for column in self.mechanism.table_of(self.other[1]).columns[2:]:
-            yield replace(column, id=f"other_{column.id}", meaning=f"in the other mode, {column.meaning}")
+            yield replace(column, id=f"other_{column.id}", meaning=f"in the other mode, {marked(column.meaning)}")
 
     @property
     def entries(self) -> Mapping[str, object]:
@@ -186,7 +187,11 @@ class CopiesAspect(AbstractLinkageAspect[tuple[Copy, ...]]):
         return with_copies(scene, copies, made.copy_parts, made.copy_stack.layers, lowest)
 
     def on_scene(self, scene: Scene) -> Scene:
-        return self.with_bodies(scene, self.mechanism.motion)
+        scene = self.with_bodies(scene, self.mechanism.motion)
+        if not scene.assembled.any() and (failure := assembly_failure(self.mechanism.motion)):
+            problem = f"the linkage and its copies close in no common position; {marked(failure.text)}"
+            raise DesignError("copies", problem, f"{marked(failure.remedy)}, or omit copies", "does-not-assemble")
+        return scene
 
     @property
     def checks(self) -> Iterator[Check]:

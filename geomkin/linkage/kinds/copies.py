@@ -50,7 +50,7 @@ def frame_places(motion: Motion, stock: LinkStock, plates: Mapping[str, LinkPlat
     upright = 1j * np.conj(motion.bodies[linkage.ground].direction[k])
     shaft = complex(linkage.bodies[linkage.ground][linkage.driver_pivot])
     width = max(stock.bar_width, stock.fastener_used.across)
-    near = width + PLAY * stock.clearance
+    near = width + PLAY * stock.pin_clearance
     moving = [plate for plate in plates.values() if plate.body != linkage.ground]
     paths = [relative_paths(motion, linkage.ground, plate.body, plate.hull(stock.bar_width)) for plate in moving]
     # Beyond this distance from the shaft nothing moves.

@@ -21,7 +21,7 @@ from ...plane.primitives import Circle
 from ...plane.vec import Complex, Real, without_rounding
 from ...recipe.recipe import Additions
 from ...recipe.settings import Files, Turn
-from ..checks import SAME_CURVE, collision_check, reached
+from ..checks import SAME_CURVE, collision_advice, collision_check, reached
 from ..cognate_linkages import cognates, roberts_linkage, third_pivot
 from ..coupler_curve import CouplerCurve, coupler_curves, coupler_grid, dashes
 from ..drive_limits import driver_limits
@@ -287,7 +287,7 @@ class CognatesRecipe(AbstractMovedRecipe):
                 "traced_points_apart", "distance between the three traced points", apart, "at most", SAME_CURVE, "mm"
             ),
             Check("third_pivot_displacement", "displacement of the third pivot", pivot, "at most", SAME_CURVE, "mm"),
-            collision_check(len(self.stack.collisions), "summary.json names them"),
+            collision_check(len(self.stack.collisions), collision_advice(self.stack.collisions)),
             *self.drive.checks,
         )
 

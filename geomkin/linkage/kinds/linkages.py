@@ -28,7 +28,7 @@ from ...recipe.aspect import Setting, Standing
 from ...recipe.composed import AbstractComposedRecipe, AspectKinds
 from ...recipe.recipe import Additions, mass_summary
 from ...recipe.settings import STANDARD_GRAVITY, Files, Stroke, Turn
-from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_check, hole_check, linkage_checks
+from ..checks import LEAST_TRANSMISSION_ANGLE_DEG, collision_advice, collision_check, hole_check, linkage_checks
 from ..joints.slide import are_equal
 from ..linkage import AbstractLinkage
 from ..measures import steady_bodies
@@ -194,13 +194,12 @@ class AbstractLinkageRecipe(AbstractMovedRecipe, AbstractComposedRecipe):
 
     @property
     def own_checks(self) -> tuple[Check, ...]:
-        collisions = sum(len(stack.collisions) for stack in dict.fromkeys(self.made.stacks))
-        advice = "summary.json names them under stack; give narrower bars or other lengths"
+        collisions = [collision for stack in dict.fromkeys(self.made.stacks) for collision in stack.collisions]
         hole = hole_check(self.stock.hole_diameter, self.stock.thickness)
         meshes = self.linkage.linkage.meshes
         pairs = ((mesh.name, gear_pair(mesh, self.linkage.linkage, self.stock)) for mesh in meshes)
         gears = (check for name, pair in pairs for check in mesh_checks(pair, name))
-        checks = (*self.motion_checks, hole, collision_check(collisions, advice), *gears)
+        checks = (*self.motion_checks, hole, collision_check(len(collisions), collision_advice(collisions)), *gears)
         return (*checks, _attachment_check(self.made)) if self.stock.attachments else checks
 
     @property

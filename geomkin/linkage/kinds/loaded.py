@@ -11,7 +11,7 @@ import numpy as np
 from ...core.errors import DesignError
 from ...core.fields import to_digits, to_digits_or_none
 from ...core.records import record
-from ...core.units import mm, rounded_down
+from ...core.units import marked, mm, rounded_down
 from ...making.attachments import ActuatorDuty
 from ...making.motors import (
     motor_check,
@@ -291,7 +291,7 @@ class LoadsAspect(AbstractLinkageForces):
             yield check
         else:
             slower = Suggestion({"drive.speed_rpm": rpm}, "rpm")
-            words = f"{check.advice}; or give speed_rpm = {rpm:g} in [drive]"
+            words = f"{marked(check.advice)}; or give speed_rpm = {rpm:g} in [drive]"
             yield replace(check, advice=words, suggestions=(*check.suggestions, slower))
 
     def _slower_rpm(self, motor: Motor) -> float:

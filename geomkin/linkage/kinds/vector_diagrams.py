@@ -26,6 +26,7 @@ from ..checks import (
     LEAST_ANGLE_OF_POLYGONS_DEG,
     MOST_FORCE_TO_BEST,
     assembly_failure,
+    collision_advice,
     collision_check,
     in_driver_unit,
     reached,
@@ -369,7 +370,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
                 at=at,
                 suggestions=suggestions,
             ),
-            collision_check(len(self.made.stack.collisions), "see summary.json"),
+            collision_check(len(self.made.stack.collisions), collision_advice(self.made.stack.collisions)),
             *self.drive.checks,
         )
 
@@ -400,7 +401,7 @@ class ShakingForceRecipe(AbstractLinkageRecipe):
             problem = f"found {stock.motor}, which is below ground, where the counterweight turns on the crank's shaft"
             raise DesignError("stock.motor", problem, "omit it", "conflict")
         holes = (Circle(0j, hole), Circle(complex(-radius), hole))
-        fits = 2 * (HoleFit(stock.pin_diameter, stock.clearance, iso_fit=stock.pin_fit),)
+        fits = 2 * (HoleFit(stock.pin_diameter, stock.pin_clearance, iso_fit=stock.pin_fit),)
         disc, letters = Circle(complex(-radius / 2), radius), ("A", "")
         material = Material("counterweight", self.weight_density)
         return [

@@ -45,7 +45,7 @@ class Meetings:
     @cached_property
     def play(self) -> float:
         """Smallest distance of edges, mm."""
-        return PLAY * self.stock.clearance
+        return PLAY * self.stock.pin_clearance
 
     @cached_property
     def moving(self) -> list[str]:
@@ -420,7 +420,7 @@ def passed_attachments(
     for name, plate in plates.items():
         for item, middle in plate.attached:
             holes, size = attached_holes([(item, middle)], stock.clearance), size_of(item.screw)
-            near = stock.bar_width / 2 + PLAY * stock.clearance
+            near = stock.bar_width / 2 + PLAY * stock.pin_clearance
             near += max([size.across / 2 if size else 0.0, *(hole.radius for hole in holes)])
             for other, layer in layers.items():
                 gap, body = (abs(layer - layers[name]) - 1) * stock.thickness, plates[other].body

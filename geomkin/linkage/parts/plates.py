@@ -276,7 +276,7 @@ class LinkPlate:
                 holes.append(Circle(ends[0], radius) if len(ends) == 1 else slot(ends[0], ends[1], radius))
                 hole_letters.append(letter)
                 travel = abs(ends[-1] - ends[0])
-                fits.append(HoleFit(stock.pin_diameter, stock.clearance, travel=travel, iso_fit=stock.pin_fit))
+                fits.append(HoleFit(stock.pin_diameter, stock.pin_clearance, travel=travel, iso_fit=stock.pin_fit))
         holes += attached_holes(self.attached, stock.clearance)
         fits += (fit for item, middle in self.attached for _, fit in item.openings(middle, stock.clearance))
         hole_letters += [""] * (len(holes) - len(hole_letters))

@@ -364,7 +364,7 @@ def fastener_masses(motion: Motion, stock: LinkStock, stack: Stack) -> dict[str,
 
     Their inertia about themselves is left out. A motor's shaft belongs to the motor, not to a body.
     """
-    disc = np.pi / 4 * (stock.bar_width**2 - stock.hole_diameter**2) * stock.thickness
+    disc = np.pi / 4 * (stock.bar_width**2 - stock.spacer_hole**2) * stock.thickness
     spacer = disc * stock.material.density if stock.material else 0.0
     bodies: dict[str, Mass] = {}
     for pin in stack.pins:
@@ -414,7 +414,7 @@ def link_parts(motion: Motion, stock: LinkStock = LinkStock(), stack: Stack | No
     letters = stack.letters if stack else {}
     parts = [plate.part(name, stock, motion.linkage, letters) for name, plate in plates.items()]
     if stack and stack.spacers:
-        disc, hole = Circle(0j, stock.bar_width / 2), Circle(0j, stock.hole_diameter / 2)
+        disc, hole = Circle(0j, stock.bar_width / 2), Circle(0j, stock.spacer_hole / 2)
         fits = fits_of(stock.pin_diameter, stock.clearance)
         name = unused("spacer", plates)
         parts.append(

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core.arguments import checked
 from ...core.errors import DesignError
-from ...core.fields import FARTHEST, PlaceOnBody, check_sizes, entry, quantity
+from ...core.fields import FARTHEST, PlaceOnBody, entry, quantity
 from ...core.records import record
 from ...core.units import mm
 from ...making.attachments import Attachment, attachments_entry
@@ -60,10 +60,12 @@ class LinkStock:
     )
     clearance: float = wider(0.2)
     pin_fit: IsoFit = entry(
-        'fit of the pins in their holes by ISO 286, such as "H7/g6", in place of the clearance', default=""
+        'fit of the pins, which are rods, in their holes by ISO 286, such as "H7/g6", in place of the clearance',
+        default="",
     )
     fastener: Literal["screw", "rod"] | None = entry(
-        "screws with nuts, or rods cut flush; by default screws if the sheet carries those of pin_diameter",
+        "screws with nuts, or rods cut flush; by default screws if the sheet carries those of pin_diameter, and rods "
+        "with a pin_fit",
         default=None,
     )
     play: float = quantity("axial play along a pin, so that its plates turn", "mm", default=0.2, at_least=0, at_most=10)
@@ -90,26 +92,39 @@ class LinkStock:
                     f"found {self.pin_fit}, whose pin may be {mm(-limits.least_clearance):.4g} wider than its hole"
                 )
                 raise DesignError("pin_fit", problem, 'give a fit with clearance, such as "H7/g6"', "out-of-range")
-            object.__setattr__(self, "clearance", limits.middle)
-            check_sizes(self)
+            if self.fastener == "screw":
+                problem = f"found {self.pin_fit}, and fastener = screw, whose thread has no such class"
+                raise DesignError("pin_fit", problem, 'give fastener = "rod", or omit pin_fit', "conflict")
         # Raises DesignError if no such screw exists.
         _ = self.fastener_used
         self._check_motor()
         for k, attachment in enumerate(self.attachments):
             attachment.check(0j, self.clearance, f"attachments[{k}]")
-        if self.bar_width <= self.hole_diameter:
-            problem = f"found {mm(self.bar_width):g}, but the pin holes are {mm(self.hole_diameter):g} wide"
+        if self.bar_width <= (widest := max(self.hole_diameter, self.spacer_hole)):
+            problem = f"found {mm(self.bar_width):g}, but the pin holes are {mm(widest):g} wide"
             raise DesignError("bar_width", problem, "give wider bars or thinner pins")
 
     @cached_property
     def fastener_used(self) -> Fastener:
         """The fastener that holds the pins."""
-        found = fastener_of(self.pin_diameter, self.thickness, self.fastener, self.play, self.head_height)
+        # A fit is that of a smooth shank.
+        form = self.fastener or ("rod" if self.pin_fit else None)
+        found = fastener_of(self.pin_diameter, self.thickness, form, self.play, self.head_height)
         return replace(found, tolerance=self.pin_fit.partition("/")[2])
+
+    @property
+    def pin_clearance(self) -> float:
+        """How much wider a pin hole is than its pin, mm: in the middle of its fit, or by the clearance."""
+        return fit_limits(self.pin_fit, self.pin_diameter).middle if self.pin_fit else self.clearance
 
     @property
     def hole_diameter(self) -> float:
         """Diameter of a pin hole, mm."""
+        return self.pin_diameter + self.pin_clearance
+
+    @property
+    def spacer_hole(self) -> float:
+        """Diameter of the hole of a spacer, mm."""
         return self.pin_diameter + self.clearance
 
     @property
@@ -168,7 +183,7 @@ class SnapLinkStock(LinkStock):
     @cached_property
     def fastener_used(self) -> Fastener:
         density = self.material.density if self.material and self.material.density else 0.0
-        return SnapPin(self.pin_diameter, "snap", self.play, clearance=self.clearance, density=density)
+        return SnapPin(self.pin_diameter, "snap", self.play, clearance=self.pin_clearance, density=density)
 
 
 # Radius of the plate's corners and length of arrow heads, mm.

@@ -44,6 +44,8 @@ PICTURE_FRAMES = 61
 SHARES = tuple(10.0**-k for k in range(6, 13))
 # Tolerance, relative and in deg, for limits that are missed by rounding only.
 NEAR = 1e-9
+# Key of a search's limit of the transmission angle, in its table `limits` or `wanted`.
+LIMIT_OF_ANGLE = "least_transmission_angle_deg"
 CUT_SHORT = (
     "The time limit ended the search, so its result depends on the computer: a longer one may find better linkages."
 )
@@ -203,7 +205,19 @@ class AbstractLinkageGoal(AbstractGoal, Generic[F]):
         # If a defect prevents the measurement of an error, the defect is reported instead of a nan.
         measured = [check for check in self.met if not (defects and np.isnan(check.value))]
         advice = f"it has these defects: {', '.join(defects)}" if defects else ""
-        return (*measured, Check("defects", "defects", len(defects), "at most", 0, "", advice), *super().design_checks)
+        checks = (
+            replace(check, advice=self._angle_advice or check.advice) if check.id == "transmission_angle" else check
+            for check in super().design_checks
+        )
+        return (*measured, Check("defects", "defects", len(defects), "at most", 0, "", advice), *checks)
+
+    @property
+    def _angle_advice(self) -> str:
+        """Advice on the transmission angle that names the limit of the search; empty if it has none or is as high."""
+        tables = (name for name in ("limits", "wanted") if hasattr(getattr(self, name, None), LIMIT_OF_ANGLE))
+        least = LEAST_TRANSMISSION_ANGLE_DEG
+        key = next(tables, "") if self.search_limits[0] < least else ""
+        return f"give {key}.{LIMIT_OF_ANGLE} = {least:g}, so that only such linkages are listed" if key else ""
 
     @property
     def shown(self) -> Sequence[SceneCurve]:
