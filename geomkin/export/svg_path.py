@@ -14,9 +14,8 @@ from ..plane.flatten import flatten
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, box_of, rounded
 
-
-# Height, as a share of the tolerance, below which an arc is written as its chord. With a smaller value pictures of gears
-# become twice as large; with 1 round outlines have corners.
+# Height, as a share of the tolerance, below which an arc is written as its chord. With a smaller value pictures of
+# gears become twice as large; with 1 round outlines have corners.
 FLAT = 0.33
 
 
