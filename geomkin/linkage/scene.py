@@ -11,6 +11,7 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
+from ..core.fields import to_digits
 from ..core.units import mm
 from ..model.part import Part
 from ..model.scene import Limit, Plot, Role, Scene, SceneBody, SceneCurve, SceneMark, dimension, drawn_at, plottable
@@ -216,6 +217,10 @@ def _centres(motion: Motion) -> Iterator[SceneMark]:
             yield SceneMark("point", place, "centre", f"instant centre of {' and '.join(pair)}")
 
 
+# Values of a mechanical advantage so many times as large as the median are not drawn.
+PEAK = 10.0
+
+
 def motion_plots(motion: Motion, table: Table, limits: Iterable[Limit] = ()) -> tuple[Plot, ...]:
     """Plots of the columns of `motion_table(motion)`, and of those of another mode, `other_...`; the clearest first."""
     linkage, limits = motion.linkage, tuple(limits)
@@ -257,6 +262,7 @@ def motion_plots(motion: Motion, table: Table, limits: Iterable[Limit] = ()) -> 
     # Ratios and forces for a torque are not of one scale.
     for unit, ids in advantages.items():
         plots.append(Plot(f"mechanical advantage{f' in {unit}' * bool(unit)}", tuple(ids)))
+        limits += tuple(_ends(ids, table))
     for order in ("first", "second"):
         plots.append(ending(f"{order} kinematic coefficients of angles", bodies, f"_angle_{order}_coefficient"))
         plots.append(ending(f"{order} kinematic coefficient of sliding", slides, f"_displacement_{order}_coefficient"))
@@ -264,6 +270,16 @@ def motion_plots(motion: Motion, table: Table, limits: Iterable[Limit] = ()) -> 
             xy = tuple(f"{point}_{order}_coefficient_{axis}" for axis in "xy")
             plots.append(Plot(f"{point.replace('_', ' ')}, {order} kinematic coefficient", xy))
     return plottable([plot.with_limits(limits) for plot in plots], table)
+
+
+def _ends(ids: Sequence[str], table: Table) -> Iterator[Limit]:
+    """Lines beyond which columns are not drawn, if near dead centres they are much larger than elsewhere."""
+    values = np.concatenate([table[id] for id in ids])
+    values = values[np.isfinite(values)]
+    most = to_digits(PEAK * float(np.median(np.abs(values))), 1) if len(values) else 0.0
+    for end in (most, -most):
+        if most and (values * np.sign(end)).max() > most:
+            yield Limit(ids[0], end, "larger values are not drawn", is_end=True)
 
 
 def place_plot(point: str, rate: str = "") -> Plot:

@@ -128,6 +128,7 @@ class _Encoder:
                     else {}
                 )
                 | ({"bars": True} if plot.bars else {})
+                | ({"most": plot.most} if np.isfinite(plot.most) else {})
                 for plot in plots
             ],
         }
