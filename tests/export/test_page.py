@@ -139,6 +139,14 @@ def test_page_lists_checks_parts_and_the_recipe(tmp_path):
     assert "geomkin run leg.toml" in text
 
 
+@pytest.mark.parametrize("count", [2, 40])
+def test_long_remarks_are_below_the_drawing(count):
+    text = mechanism_page(job_of(turning(), about=" ".join(["A washer."] + ["It is said to turn."] * count))).decode()
+    head = text.partition('<section id="player"')[0]
+    assert "A washer." in head
+    assert (text.count("said to turn"), head.count("said to turn")) == (count, count if count < 40 else 0)
+
+
 def test_paths_equal_their_curves():
     square = gk.plane.Polyline(np.array([0, 10, 10 + 10j, 10j]))
     assert (
