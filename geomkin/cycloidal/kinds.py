@@ -33,8 +33,7 @@ from ..model.motor import RotatingBody
 from ..model.part import HoleFit, Part
 from ..model.scene import Plot, Scene, SceneBody, SceneCurve, SceneHandle, SceneMark, circle_handle, point_handle
 from ..model.table import Column, Table
-from ..plane.curve import Mirrored
-from ..plane.primitives import Circle
+from ..plane.primitives import Circle, mirrored
 from ..plane.vec import Complex, Real, spaced_directions
 from ..recipe.aspect import AbstractAspect
 from ..recipe.composed import AbstractPlatesRecipe
@@ -157,7 +156,7 @@ class CycloidalPlates:
             if k:
                 # Turned over, so that a flat of the shaft is on the same side.
                 eccentric = replace(
-                    eccentric, outline=Mirrored(eccentric.outline), holes=tuple(map(Mirrored, eccentric.holes))
+                    eccentric, outline=mirrored(eccentric.outline), holes=tuple(map(mirrored, eccentric.holes))
                 )
             part = plates.get("disc_2", plates["disc"]) if k else plates["disc"]
             yield SceneBody(name, (part,), *drive.disc_pose(turn, k), k + 1)

@@ -416,10 +416,11 @@ def _check_parts_fit(cuts: Sequence[Cut], width: float, height: float) -> None:
         ):
             long = max(max(size.real, size.imag) for size in sizes) + 2 * GAP
             short = max(min(size.real, size.imag) for size in sizes) + 2 * GAP
+            low, high = cut.box
             raise DesignError(
                 "sheet",
                 f"found {mm(width, height, between=' x '):g}, and the {cut.part.name} is "
-                f"{mm(size.real, size.imag, between=' x '):g}",
+                f"{mm(high.real - low.real, high.imag - low.imag, between=' x '):.5g}",
                 f"give at least [{bare_mm(long, short):g}], which leaves {mm(GAP):g} to each edge",
                 "out-of-range",
             )

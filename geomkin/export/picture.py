@@ -109,7 +109,7 @@ def style(still: Still, drawn: str) -> str:
         f".construction.line,.pitch.line{{stroke-dasharray:{w(7)} {w(2.5)} {w(2)} {w(2.5)}}}"
         f".traced{{stroke:{c['traced']};stroke-width:{w(1.6)}}}.dot.traced{{fill:{c['traced']};stroke:#fff}}"
         f".wanted{{stroke:{c['wanted']};stroke-width:{w(1.6)}}}.wanted.line{{stroke-dasharray:{w(2)} {w(2.5)}}}"
-        f".dot.wanted{{fill:#fff;stroke:{c['wanted']}}}"
+        f".dot.wanted{{fill:none;stroke:{c['wanted']}}}"
         f".contact{{stroke:{c['acceleration']}}}.centrode{{stroke:{c['velocity']};stroke-width:{w(1.2)}}}"
         f".inflection{{stroke:{c['wanted']};stroke-dasharray:{w(4)} {w(2.5)}}}"
         f'text{{font:{w(LETTER)}px "DejaVu Sans",Arial,sans-serif;fill:{c["ink"]};stroke:#fff;stroke-width:{w(2.4)};'

@@ -40,6 +40,13 @@ class Paragraph:
 
 
 @record(eq=False)
+class Bullets:
+    """A list of sentences."""
+
+    items: tuple[str, ...]
+
+
+@record(eq=False)
 class Listing:
     """Text whose lines are kept as they are."""
 
@@ -63,7 +70,7 @@ class Figure:
     is_page: bool = False
 
 
-Block = Heading | Paragraph | Listing | ReportTable | Figure
+Block = Heading | Paragraph | Bullets | Listing | ReportTable | Figure
 
 
 def write_markdown(job: Job) -> dict[str, bytes]:
@@ -151,8 +158,8 @@ def _blocks(job: Job) -> Iterator[Block]:
             yield Figure(f"{job.name}-report-plot-{k}.svg", capital(caption), content)
         yield Heading("Assembly")
         yield Figure(f"{job.name}-report-assembly.svg", "The parts in place", assembly_picture(job))
-        for step in source.steps:
-            yield Paragraph(f"- {harmless(step)}")
+        if source.steps:
+            yield Bullets(tuple(map(harmless, source.steps)))
     if source.parts:
         yield Heading("Bill of materials")
         columns = [column for column in bill(job).columns if column.id in ("item", "count", "joints")]
@@ -194,6 +201,8 @@ def _in_markdown(block: Block) -> str:
     match block:
         case Heading():
             return f"## {block.words}"
+        case Bullets():
+            return "\n".join(f"- {item}" for item in block.items)
         case Listing():
             return f"```\n{block.words.strip()}\n```"
         case Figure():
@@ -208,6 +217,8 @@ def _in_typst(block: Block) -> str:
     match block:
         case Heading():
             return f"#heading({_quoted(block.words)})"
+        case Bullets():
+            return f"#list({', '.join(map(_quoted, block.items))})"
         case Listing():
             return f"#block(breakable: true, raw(block: true, {_quoted(block.words.strip())}))"
         case Figure(is_page=True):

@@ -11,13 +11,16 @@ from ..core.errors import GeomkinError
 from ..plane.approximation import to_arcs
 from ..plane.curve import AbstractCurve, extent
 from ..plane.flatten import flatten
-from ..plane.joined import Path
-from ..plane.primitives import Arc, Circle, Segment
+from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, box_of, rounded
+
+# Height, as a share of the tolerance, below which an arc is written as its chord. With a smaller value pictures of
+# gears become twice as large; with 1 round outlines have corners.
+FLAT = 0.33
 
 
 def path(curves: Iterable[AbstractCurve], tolerance: float, digits: int) -> str:
-    """The curves, mm, y up, within `tolerance`, with `digits` decimals; arcs stay arcs."""
+    """The curves, mm, y up, within about `tolerance`, with `digits` decimals; what is round is written in arcs."""
     return "".join(_curve(curve, tolerance, digits) for curve in curves)
 
 
@@ -25,21 +28,21 @@ def _curve(curve: AbstractCurve, tolerance: float, digits: int) -> str:
     match curve:
         case Circle():
             return _circle(curve, digits)
-        case Path() if all(isinstance(piece, Arc | Segment) for piece in curve.pieces):
-            return _arcs(curve, tolerance, digits)
-        case _:
+        case Polyline() if curve.bulges is None:
             return _steps(curve, tolerance, digits)
+        case _:
+            return _arcs(curve, tolerance, digits)
 
 
-def _arcs(curve: Path, tolerance: float, digits: int) -> str:
-    """Each piece as an edge to its end: an arc of at most half a turn with its radius and side, or a line."""
+def _arcs(curve: AbstractCurve, tolerance: float, digits: int) -> str:
+    """Arcs of at most half a turn, each with its radius and side, and lines."""
     chain = to_arcs(curve, tolerance)
     # The closing step of an open path has no bulge and is left out by zip.
     points = rounded(np.append(chain.vertices, chain.vertices[:1]), digits)
     bulges = np.zeros(0) if chain.bulges is None else np.asarray(chain.bulges)
     text = f"M{_pair(points[0].item(), digits)}"
     for step, bulge in zip(rounded(np.diff(points), digits).tolist(), bulges.tolist()):
-        if bulge:
+        if abs(step * bulge) / 2 > FLAT * tolerance:
             radius = decimal(rounded(abs(step) * (1 + bulge**2) / (4 * abs(bulge)), digits).item(), digits)
             text += f"a{radius} {radius} 0 0 {int(bulge > 0)} {_pair(step, digits)}"
         else:

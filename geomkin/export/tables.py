@@ -114,6 +114,7 @@ def plot_file(table: Table, plot: Plot, dots: bool = False) -> bytes:
     frames = kept_frames(len(drive.values))
     x = np.asarray(drive.values, dtype=float)[frames]
     rows = [np.asarray(column.values, dtype=float)[frames] for column in columns]
+    rows = [np.where(np.abs(row) <= plot.most, row, np.nan) for row in rows]
     low, high = _range(rows, plot.limits)
     across = _Axis(*_ends(x), LEFT, WIDE - RIGHT)
     up = _Axis(low, high, TOP + HIGH, TOP)

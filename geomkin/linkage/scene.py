@@ -11,6 +11,7 @@ import numpy as np
 
 from ..core.arguments import checked
 from ..core.errors import DesignError
+from ..core.fields import to_digits
 from ..core.units import mm
 from ..model.part import Part
 from ..model.scene import Limit, Plot, Role, Scene, SceneBody, SceneCurve, SceneMark, dimension, drawn_at, plottable
@@ -129,14 +130,12 @@ def _joints(motion: Motion) -> Iterator[SceneMark]:
         yield from joint.marks(motion)
 
 
-def _free_points(motion: Motion) -> Iterator[tuple[str, Complex, Complex, Complex]]:
-    """Points that are not pins, nor coincide with one: name, position, velocity, acceleration."""
-    for body, points in motion.linkage.bodies.items():
-        pins = [z for name, z in points.items() if name in motion.linkage.joint_points]
-        for name, z in points.items():
-            if body != motion.linkage.ground and not any(z == pin for pin in pins):
-                moved = motion.point(name)
-                yield name, moved.position, moved.velocity, moved.acceleration
+def _free_points(linkage: Linkage) -> Iterator[str]:
+    """Names of points of moving bodies that are not pins, nor coincide with one."""
+    for body, points in linkage.bodies.items():
+        pins = [z for name, z in points.items() if name in linkage.joint_points]
+        if body != linkage.ground:
+            yield from (name for name, z in points.items() if not any(z == pin for pin in pins))
 
 
 def traced_points(motion: Motion) -> Iterator[SceneMark]:
@@ -151,8 +150,8 @@ def traced_points(motion: Motion) -> Iterator[SceneMark]:
     -------
     iterator of SceneMark
     """
-    for name, place, _, _ in _free_points(motion):
-        yield SceneMark("point", place, "traced", name, trail=True)
+    for name in _free_points(motion.linkage):
+        yield SceneMark("point", motion.point(name).position, "traced", name, trail=True)
 
 
 def with_components(scene: Scene, motion: Motion) -> Scene:
@@ -176,11 +175,10 @@ def with_components(scene: Scene, motion: Motion) -> Scene:
 
 def _vectors(motion: Motion, has_components: bool = False) -> Iterator[SceneMark]:
     """Velocities and accelerations of moving pins and free points, each at its own scale; also their components."""
-    tracks = {name: (place, velocity, acceleration) for name, place, velocity, acceleration in _free_points(motion)}
-    for pin, bodies in motion.linkage.joint_points.items():
-        if motion.linkage.ground not in bodies:
-            point = motion.point(pin)
-            tracks[pin] = point.position, point.velocity, point.acceleration
+    joints = motion.linkage.joint_points.items()
+    names = [*_free_points(motion.linkage), *(pin for pin, bodies in joints if motion.linkage.ground not in bodies)]
+    points = {name: motion.point(name) for name in names}
+    tracks = {name: (point.position, point.velocity, point.acceleration) for name, point in points.items()}
     for k, (rate, unit) in enumerate(RATES.items(), 1):
         arrows = {name: (track[0], track[k]) for name, track in tracks.items()}
         for part in component_vectors(motion, rate) if has_components else ():
@@ -219,18 +217,16 @@ def _centres(motion: Motion) -> Iterator[SceneMark]:
             yield SceneMark("point", place, "centre", f"instant centre of {' and '.join(pair)}")
 
 
+# Values of a mechanical advantage so many times as large as the median are not drawn.
+PEAK = 10.0
+
+
 def motion_plots(motion: Motion, table: Table, limits: Iterable[Limit] = ()) -> tuple[Plot, ...]:
     """Plots of the columns of `motion_table(motion)`, and of those of another mode, `other_...`; the clearest first."""
     linkage, limits = motion.linkage, tuple(limits)
     bodies, slides = list(motion.bodies), [slide.name for slide in linkage.slides]
-    points = [
-        point
-        for body, places in linkage.bodies.items()
-        for point in places
-        if body != linkage.ground and point not in linkage.joint_points
-    ]
     modes = ("", "other_")
-    named = [f"{mode}{point}" for mode in modes for point in points]
+    named = [f"{mode}{point}" for mode in modes for point in _free_points(linkage)]
 
     def of(title: str, *ids: str) -> Plot:
         return Plot(title, tuple(f"{mode}{id}" for mode in modes for id in ids))
@@ -243,15 +239,22 @@ def motion_plots(motion: Motion, table: Table, limits: Iterable[Limit] = ()) -> 
     for id in (f"{mode}{body}_mechanical_advantage" for mode in modes for body in linkage.bodies):
         if id in units:
             advantages.setdefault(units[id], []).append(id)
-    plots = [
-        *(place_plot(point) for point in named),
+    turning = [
         ending("angles", bodies, "_angle"),
         of("transmission angle", "transmission_angle"),
         ending("angular velocities", bodies, "_omega"),
         ending("angular accelerations", bodies, "_alpha"),
+    ]
+    sliding = [
         ending("sliding, place", slides, "_displacement"),
         ending("sliding, velocity", slides, "_velocity"),
         ending("sliding, acceleration", slides, "_acceleration"),
+    ]
+    # A slide on the ground that does not drive is an output.
+    outputs = [s for s in linkage.slides if s.along == linkage.ground and s is not linkage.driven_slider]
+    plots = [
+        *(place_plot(point) for point in named),
+        *(sliding + turning if outputs else turning + sliding),
         ending("Coriolis acceleration", slides, "_coriolis_x", "_coriolis_y"),
     ]
     for point in named:
@@ -259,6 +262,7 @@ def motion_plots(motion: Motion, table: Table, limits: Iterable[Limit] = ()) -> 
     # Ratios and forces for a torque are not of one scale.
     for unit, ids in advantages.items():
         plots.append(Plot(f"mechanical advantage{f' in {unit}' * bool(unit)}", tuple(ids)))
+        limits += tuple(_ends(ids, table))
     for order in ("first", "second"):
         plots.append(ending(f"{order} kinematic coefficients of angles", bodies, f"_angle_{order}_coefficient"))
         plots.append(ending(f"{order} kinematic coefficient of sliding", slides, f"_displacement_{order}_coefficient"))
@@ -266,6 +270,16 @@ def motion_plots(motion: Motion, table: Table, limits: Iterable[Limit] = ()) -> 
             xy = tuple(f"{point}_{order}_coefficient_{axis}" for axis in "xy")
             plots.append(Plot(f"{point.replace('_', ' ')}, {order} kinematic coefficient", xy))
     return plottable([plot.with_limits(limits) for plot in plots], table)
+
+
+def _ends(ids: Sequence[str], table: Table) -> Iterator[Limit]:
+    """Lines beyond which columns are not drawn, if near dead centres they are much larger than elsewhere."""
+    values = np.concatenate([table[id] for id in ids])
+    values = values[np.isfinite(values)]
+    most = to_digits(PEAK * float(np.median(np.abs(values))), 1) if len(values) else 0.0
+    for end in (most, -most):
+        if most and (values * np.sign(end)).max() > most:
+            yield Limit(ids[0], end, "larger values are not drawn", is_end=True)
 
 
 def place_plot(point: str, rate: str = "") -> Plot:

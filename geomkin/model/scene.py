@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, fields, replace
 from typing import Any, Literal, NamedTuple, TypeVar
@@ -218,11 +219,15 @@ class SceneHandle:
 
 @record
 class Limit:
-    """A line across the plot of a column, such as the limit of a check. column: its id."""
+    """A line across the plot of a column, such as the limit of a check.
+
+    column: its id. is_end: whether larger values are not drawn, since they would flatten all others.
+    """
 
     column: str
     value: float
     label: str
+    is_end: bool = False
 
     def __post_init__(self) -> None:
         as_sentences(self, "label")
@@ -239,6 +244,11 @@ class Plot:
     columns: tuple[str, ...]
     limits: tuple[Limit, ...] = ()
     bars: bool = False
+
+    @property
+    def most(self) -> float:
+        """Size of values beyond which they are not drawn."""
+        return min((abs(limit.value) for limit in self.limits if limit.is_end), default=math.inf)
 
     def __post_init__(self) -> None:
         as_sentences(self, "title")

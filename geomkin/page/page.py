@@ -23,7 +23,7 @@ from ..model.scene import ROLES, Plot, Role, Scene, SceneBody, SceneCurve, Scene
 from ..model.table import Column, significant
 from ..plane.curve import AbstractCurve
 from ..plane.vec import Array, Complex, Real, Whole
-from .sections import all_of, verdict
+from .sections import all_of, html_section, verdict
 
 # Digits of positions, counted from the scene's size. With fewer, plates tremble from frame to frame on a large screen;
 # one more makes a page a fifth longer.
@@ -128,6 +128,7 @@ class _Encoder:
                     else {}
                 )
                 | ({"bars": True} if plot.bars else {})
+                | ({"most": plot.most} if np.isfinite(plot.most) else {})
                 for plot in plots
             ],
         }
@@ -254,13 +255,17 @@ START = (
     'const player = mount(document.getElementById("player"), JSON.parse(document.getElementById("scene").textContent));'
 )
 
+# Number of characters from which the remarks of the head of a page are below its drawing, about six lines.
+LONG_TEXT = 500
 # The further line of a page that plots the solutions from which its mechanism was chosen.
 CHOICE = 'mountRows(document.getElementById("choice"), read(player.data.choice));'
 
 
 def mechanism_page(job: Job) -> bytes:
     """The page. The player shows the drawing and the plots; all else is in tables that do not need it."""
-    about = f"<p>{text(job.about)}</p>" if job.about else ""
+    # Below a long text the drawing would not be seen at once.
+    opening, stop, remarks = job.about.partition(". ") if len(job.about) > LONG_TEXT else (job.about, "", "")
+    about = f"<p>{text(opening + stop.strip())}</p>" if opening else ""
     if entries := "; ".join(job.title.lines()):
         about += f"<p>{text(capital(entries))}</p>"
     frames = len(job.scene.time)
@@ -269,6 +274,7 @@ def mechanism_page(job: Job) -> bytes:
     body = (
         '<section id="player" aria-label="The mechanism, moving, and its plots"></section>\n'
         "<noscript><p>The drawing moves by a script; without one, the tables below state the same.</p></noscript>\n"
+        f"{html_section('remarks', 'Remarks', f'<p>{text(remarks)}</p>') + chr(10) if remarks else ''}"
         f"{''.join(f'{section}{chr(10)}' for section in all_of(job) if section)}"
     )
     scripts: tuple[str, ...] = SCRIPTS

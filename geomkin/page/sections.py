@@ -256,11 +256,11 @@ def _flat(entries: Mapping[str, object], digits: int = DIGITS) -> dict[str, str]
 
 
 def _head(name: str) -> str:
-    return text(capital(_with_unit(name)))
+    return text(capital(with_unit_of_name(name)))
 
 
-def _with_unit(name: str) -> str:
-    """A name of the summary, whose last words may be a unit."""
+def with_unit_of_name(name: str) -> str:
+    """A name of the summary, whose last words may be a unit, with the unit after a comma."""
     for unit in ("kg_mm2", "N_mm", "deg", "mm", "mm2", "mm3", "in", "in2", "in3", "N", "kg", "rpm"):
         if name.endswith(f"_{unit}"):
             return f"{name.removesuffix(f'_{unit}')}, {unit_sign(unit.replace('_', ' '))}"

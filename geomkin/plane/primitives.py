@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from ..core.arguments import ComplexRow, FloatRow, PositiveFloat, checked
 from ..core.errors import DesignError
 from ..core.records import record
-from .curve import AbstractCurve, Moved
+from .curve import AbstractCurve, Mirrored, Moved
 from .joined import Path
 from .vec import Complex, Pose, Real, Whole, cross
 
@@ -228,6 +228,13 @@ def moved(curve: AbstractCurve, pose: Pose) -> AbstractCurve:
     if isinstance(curve, Circle):
         return Circle(complex(pose.place(curve.centre)), curve.radius)
     return Moved(curve, pose)
+
+
+def mirrored(curve: AbstractCurve) -> AbstractCurve:
+    """The mirror image of a curve in the y axis; a circle remains a Circle."""
+    if isinstance(curve, Circle):
+        return Circle(complex(-np.conj(curve.centre)), curve.radius)
+    return Mirrored(curve)
 
 
 @checked

@@ -17,7 +17,8 @@ from ..model.motor import RotatingBody
 from ..model.part import Part
 from ..model.scene import Plot, Scene, SceneBody, SceneHandle
 from ..model.table import Column, Table
-from ..plane.curve import AbstractCurve, Mirrored, Moved
+from ..plane.curve import AbstractCurve
+from ..plane.primitives import mirrored, moved
 from ..plane.vec import Complex, Pose, Real, Whole
 
 M = TypeVar("M")
@@ -114,15 +115,15 @@ class ShaftPlacement:
 
     def curve(self, curve: AbstractCurve, of_body: bool = False) -> AbstractCurve:
         """A curve, placed; of_body: in the frame of a body."""
-        seen = Mirrored(curve) if self.mirrored else curve
-        return seen if of_body else Moved(seen, self.pose)
+        seen = mirrored(curve) if self.mirrored else curve
+        return seen if of_body else moved(seen, self.pose)
 
     def part(self, part: Part) -> Part:
         """A part as it is seen where it is placed."""
         if not self.mirrored:
             return part
-        holes, marks = (tuple(map(Mirrored, curves)) for curves in (part.holes, part.marks))
-        return replace(part, outline=Mirrored(part.outline), holes=holes, marks=marks)
+        holes, marks = (tuple(map(mirrored, curves)) for curves in (part.holes, part.marks))
+        return replace(part, outline=mirrored(part.outline), holes=holes, marks=marks)
 
     def setting(self, speed: float) -> Setting:
         """The setting of a mechanism at a speed of its driver, in its own direction."""

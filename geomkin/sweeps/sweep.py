@@ -31,7 +31,7 @@ from ..export.text import capital, number, text
 from ..model.check import Check
 from ..model.table import Column, Table
 from ..page.page import rows_document
-from ..page.sections import MOST_ROWS, html_section, wide
+from ..page.sections import MOST_ROWS, html_section, wide, with_unit_of_name
 from ..plane.vec import Array
 from ..recipe.keys import varied
 from ..recipe.recipe import AbstractRecipe
@@ -78,7 +78,20 @@ def check_columns(rows: Sequence[Row]) -> list[Column]:
 def result_columns(rows: Sequence[Row]) -> list[Column]:
     """One column for each requested result."""
     names = dict.fromkeys(name for row in rows for name in row.results)
-    return [Column(name.replace(":", "_"), "", name, _array([row.results.get(name) for row in rows])) for name in names]
+    return [
+        Column(name.replace(":", "_"), "", _heading(name), _array([row.results.get(name) for row in rows]))
+        for name in names
+    ]
+
+
+def _heading(name: str) -> str:
+    """A result for people: the column after its statistic, or an entry of the summary with its unit at the end."""
+    column, colon, statistic = name.rpartition(":")
+    if colon:
+        return f"{statistic} {column}"
+    first, *inner = name.split(".")
+    first, comma, unit = with_unit_of_name(first).partition(", ")
+    return with_unit_of_name(", ".join((first, *inner))) + comma + unit
 
 
 def _array(values: Sequence[Any]) -> Array:
@@ -117,7 +130,7 @@ MOST_PLOTS, MOST_POINTS = 40, 1001
 
 def sweep_page(name: str, values: Mapping[str, Sequence[Any]], rows: Sequence[Row]) -> bytes:
     """The page of a sweep. name: of the recipe; values: by key; rows: one for each combination, in order."""
-    columns = [*check_columns(rows), *result_columns(rows)]
+    columns = [_without_noise(column) for column in (*check_columns(rows), *result_columns(rows))]
     refused = sum(bool(row.refused) for row in rows)
     passed = sum(not row.refused and all(check.passed for check in row.checks) for row in rows)
     counts = f"{len(rows):,} combinations of {text(' and '.join(values))}: {passed:,} pass all checks"
@@ -127,6 +140,18 @@ def sweep_page(name: str, values: Mapping[str, Sequence[Any]], rows: Sequence[Ro
     unplotted = "" if data["plots"] else '<section id="plots" hidden></section>'
     body = f"{plots}{unplotted}{_table(list(values), rows, columns)}\n"
     return rows_document(f"{name}: a sweep", about, body, data)
+
+
+# Share of the largest value of a column below which a value is rounding noise.
+NOISE = 1e-12
+
+
+def _without_noise(column: Column) -> Column:
+    values = column.values
+    if values.dtype.kind != "f":
+        return column
+    size = np.abs(values[np.isfinite(values)]).max(initial=0.0)
+    return replace(column, values=np.where(np.abs(values) < NOISE * size, 0.0, values))
 
 
 def _plots(values: Mapping[str, Sequence[Any]], rows: Sequence[Row], columns: Sequence[Column]) -> tuple[Any, str]:

@@ -459,6 +459,24 @@ def test_no_name_lies_over_another(name, width, folder, opened):
                 assert a >= f or e >= b or c >= h - 0.01 or g >= d - 0.01
 
 
+@pytest.mark.parametrize("name", ["slider-crank", "roller-cam"])
+def test_the_name_of_the_ground_is_where_its_plate_is_seen(name, folder, opened):
+    recipe, file = page_of(name, folder)
+    page = opened(file).page
+    seen = []
+    for frame in range(0, len(recipe.scene.time), 30):
+        go_to(page, frame)
+        seen.append(
+            page.evaluate("""() => {
+          const name = [...document.querySelectorAll("text.name")].find((text) => text.textContent === "ground");
+          const { left, right, top, bottom } = name.getBoundingClientRect();
+          return document.elementFromPoint((left + right) / 2, (top + bottom) / 2).closest("[data-body]")?.dataset.body;
+        }""")
+        )
+    # The coupler passes over all of the bar of a slider-crank.
+    assert seen.count("ground") >= 0.7 * len(seen)
+
+
 @pytest.mark.parametrize("name", ["crank-rocker", "slider-crank", "walking-leg", "gear-pair"])
 def test_on_a_phone_play_and_slider_are_on_the_first_screen_and_large_enough_for_fingers(name, folder, opened):
     _, file = page_of(name, folder)

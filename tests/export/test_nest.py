@@ -138,7 +138,7 @@ def test_a_part_that_just_fits_is_cut_and_a_larger_one_refused_with_the_least_sh
         (sheet,) = lay_out_on(plate, width, height)
         assert_sound(sheet)
         for wide, high in ((width - 1, height), (width, height - 1)):
-            words = rf"found {wide:g} x {high:g} mm, and the plate is 301 x 90 mm; give at least \[311, 100\]"
+            words = rf"found {wide:g} x {high:g} mm, and the plate is 300 x 90 mm; give at least \[311, 100\]"
             with pytest.raises(gk.DesignError, match=words):
                 lay_out_on(plate, wide, high)
 

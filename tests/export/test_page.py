@@ -19,6 +19,8 @@ from geomkin.export.still import MOST_FRAMES, kept_frames
 from geomkin.export.svg_path import path
 from geomkin.model.scene import Limit, Plot, Scene, SceneBody, SceneCurve, SceneMark
 from geomkin.page.page import mechanism_page, scene_data, scene_json
+from geomkin.recipe.aspect import ShaftPlacement
+from tests.export.stills import stepped
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 NASTY = '</script><img src=x onerror="alert(1)">\'&\u202etxet\u202c <!--'
@@ -137,6 +139,14 @@ def test_page_lists_checks_parts_and_the_recipe(tmp_path):
     assert "geomkin run leg.toml" in text
 
 
+@pytest.mark.parametrize("count", [2, 40])
+def test_long_remarks_are_below_the_drawing(count):
+    text = mechanism_page(job_of(turning(), about=" ".join(["A washer."] + ["It is said to turn."] * count))).decode()
+    head = text.partition('<section id="player"')[0]
+    assert "A washer." in head
+    assert (text.count("said to turn"), head.count("said to turn")) == (count, count if count < 40 else 0)
+
+
 def test_paths_equal_their_curves():
     square = gk.plane.Polyline(np.array([0, 10, 10 + 10j, 10j]))
     assert (
@@ -145,14 +155,19 @@ def test_paths_equal_their_curves():
     bar = path([gk.plane.rounded_hull([0, 30], 5)], 0.01, 3)
     assert bar == "M0 5a5 5 0 0 1 0-10l30 0a5 5 0 0 1 0 10l-30 0z"
     gear = gk.SpurGear(24, 2).outline
-    numbers = [float(n) for n in re.findall(r"-?\d*\.?\d+", path([gear], 0.02, 3))]
-    points = np.cumsum(np.array(numbers[::2]) + 1j * np.array(numbers[1::2]))
-    assert np.abs(points - gk.flatten(gear, 0.02)).max() < 1e-3
+    points = np.cumsum(stepped(path([gear], 0.02, 3)))
+    assert 0.004 < gk.nearest(gear, points)[1].max() < 0.021
+
+
+def test_mirrored_and_placed_copies_of_circles_are_circles():
+    placement = ShaftPlacement(gk.plane.Pose(3 + 1j, 1j), mirrored=True)
+    circle = placement.curve(gk.plane.Circle(5 + 5j, 2))
+    assert isinstance(circle, gk.plane.Circle) and abs(circle.centre - (-2 - 4j)) < 1e-12 and circle.radius == 2
 
 
 @pytest.mark.parametrize("size", [1e-2, 1e3])
 def test_curves_are_as_fine_as_a_screen_shows_and_no_finer(size):
-    """A spline round about, in a scene as wide as it: its chords lie off it by a five-thousandth of the size or less."""
+    """A spline round about, in a scene as wide as it: its arcs lie off it by a five-thousandth of the size or less."""
     turn = np.linspace(0, 2 * np.pi, 9)
     corners = size * np.exp(1j * turn) * (1 + 0.2 * np.cos(3 * turn))
     corners[-1] = corners[0]
@@ -161,11 +176,9 @@ def test_curves_are_as_fine_as_a_screen_shows_and_no_finer(size):
     low, high = scene.box
     data = json.loads(scene_json(scene, "a"))
     text = data["paths"][data["scenes"][0]["curves"][0]["path"]]
-    numbers = [float(n) for n in re.findall(r"-?\d*\.?\d+", text)]
-    points = np.cumsum(np.array(numbers[::2]) + 1j * np.array(numbers[1::2]))
-    assert gk.nearest(spline, points)[1].max() < 8e-5 * size
-    off = gk.nearest(spline, (points[1:] + points[:-1]) / 2)[1].max()
-    assert 4e-5 * abs(high - low) < off < 2.3e-4 * abs(high - low)
+    points = np.cumsum(stepped(text))
+    assert 4e-5 * abs(high - low) < gk.nearest(spline, points)[1].max() < 2.3e-4 * abs(high - low)
+    assert text.count("a") < len(gk.flatten(spline, 2e-4 * abs(high - low))) / 2
 
 
 def test_a_long_table_is_thinned_and_keeps_its_ends():

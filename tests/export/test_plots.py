@@ -12,6 +12,7 @@ import pytest
 import geomkin as gk
 from geomkin.export.tables import hodograph_file, plot_file
 from geomkin.model.scene import Limit, Plot
+from geomkin.recipe.shown import ShownRecipe
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 SVG = "{http://www.w3.org/2000/svg}"
@@ -112,3 +113,20 @@ def test_a_page_shows_the_shaking_force_as_a_picture_of_its_own_file(tmp_path):
     shown = re.search(r"<img src='data:image/svg\+xml,([^']*)'", files["slider-crank.html"].read_text())
     written = files["slider-crank-polar-diagram-of-the-shaking-force-plot.svg"].read_bytes()
     assert unquote_to_bytes(shown[1]) == written
+
+
+def test_a_mechanical_advantage_is_drawn_up_to_ten_times_its_median_in_inches_too():
+    text = 'kind = "slider-crank"\nlinkage = { crank = 30, coupler = 100 }\ndrive = { start_deg = 1, end_deg = 359, step_deg = 2 }'
+    for units in ("mm", "in"):
+        scene = ShownRecipe(gk.load(f'units = "{units}"\n{text}')).scene
+        (plot,) = [plot for plot in scene.plots if plot.title.startswith("mechanical advantage")]
+        values = scene.table[plot.columns[0]]
+        ends = sorted(limit.value for limit in plot.limits)
+        typical = 10 * np.median(np.abs(values[np.isfinite(values)]))
+        assert len(ends) == 2 and ends[1] == -ends[0] == pytest.approx(typical, rel=0.5)
+        assert np.nanmax(np.abs(values)) > ends[1]
+        drawn = np.concatenate(
+            [points[:, 1] for runs in Reading(plot_file(scene.table, plot)).curves for points in runs]
+        )
+        assert np.abs(drawn).max() <= ends[1] * 1.001 and len(drawn) == (np.abs(values) <= ends[1]).sum()
+    assert plot.most == pytest.approx(ends[1])

@@ -1,8 +1,10 @@
 """The report: its formulas evaluated from their written numbers, against the table of the motion; its files."""
 
+import json
 import re
 from math import acos, asin, atan2, cos, degrees, pi, radians, sin, sqrt
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -217,6 +219,17 @@ def test_without_the_package_a_pdf_is_refused_by_name(tmp_path, monkeypatch):
             gk.write(recipe, tmp_path / f"a{tail}")
         assert refused.value.field == "write" and "pip install" in str(refused.value)
     assert not list(tmp_path.iterdir())
+
+
+def test_steps_are_items_of_a_list_in_markdown_and_pdf(monkeypatch, tmp_path):
+    sources = []
+    compiler = SimpleNamespace(compile=lambda files, **_: sources.append(files["main"].decode()) or b"%PDF")
+    monkeypatch.setattr(report, "_typst", lambda: compiler)
+    recipe = gk.load(FOUR_BAR)
+    gk.write(recipe, tmp_path / "a-report.pdf")
+    steps = [line for line in (tmp_path / "a-report.md").read_text().splitlines() if line.startswith("- ")]
+    (listed,) = re.findall(r"^#list\((.*)\)$", sources[0], re.MULTILINE)
+    assert len(steps) > 2 and len(json.loads(f"[{listed}]")) == len(steps) and '"- ' not in sources[0]
 
 
 def test_pdf_is_the_same_on_each_run(tmp_path):

@@ -14,7 +14,7 @@ copies = [{ phase_deg = 90 }, { phase_deg = 90, mirrored = true }, {}]
 
 def world(body, curve):
     ends = np.asarray(curve.breaks)
-    local = curve.point(np.linspace(ends[0], ends[-1], 33))
+    local = curve.point(np.linspace(ends[0], ends[-1], 33)[:-1])
     return body.origin[:, None] + body.direction[:, None] * local
 
 

@@ -1,6 +1,7 @@
 """Scenes of linkages that do not close at every frame, and how large polygons are drawn."""
 
 import numpy as np
+import pytest
 
 import geomkin as gk
 from tests.gallery import named
@@ -41,3 +42,27 @@ def test_only_columns_with_a_known_value_are_plotted():
         for header in plot.columns
     }
     assert not reported & plotted
+
+
+@pytest.mark.parametrize(
+    ("kind", "sizes", "point", "first"),
+    [
+        ("slider-crank", "crank = 30, coupler = 100", [0, 0], ["slide_displacement", "slide_velocity"]),
+        ("slider-crank", "crank = 30, coupler = 100", [50, 20], ["coupler_point_x", "slide_displacement"]),
+        (
+            "four-bar",
+            "ground = 100, crank = 30, coupler = 90, rocker = 70",
+            [0, 0],
+            ["coupler_angle", "transmission_angle"],
+        ),
+    ],
+)
+def test_outputs_are_plotted_first_and_the_path_of_a_point_on_a_pin_never(kind, sizes, point, first):
+    scene = gk.load(
+        f'kind = "{kind}"\nlinkage = {{ {sizes}, coupler_point = {point} }}\ndrive = {{step_deg = 10}}'
+    ).scene
+    assert [plot.columns[0] for plot in scene.plots[:2]] == first
+    plotted = {column for plot in scene.plots for column in plot.columns}
+    assert ("coupler_point_x" in plotted) == (point != [0, 0])
+    if kind == "four-bar":
+        assert "rocker_angle" in scene.plots[0].columns

@@ -115,7 +115,8 @@ def test_plots_and_limits_refer_to_columns_of_the_table(recipes):
     for plot in scene.plots:
         assert set(plot.columns) <= set(scene.table.ids)
         assert {limit.column for limit in plot.limits} <= set(plot.columns)
-    assert [plot.columns for plot in scene.plots if plot.limits] == [("transmission_angle",)]
+    limited = [("transmission_angle",), ("rocker_mechanical_advantage",)]
+    assert [plot.columns for plot in scene.plots if plot.limits] == limited
     plot = Plot("both", ("a", "b")).with_limits([Limit("b", 1.0, "at most"), Limit("c", 2.0, "at most")])
     assert [limit.column for limit in plot.limits] == ["b"]
 

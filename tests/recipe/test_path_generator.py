@@ -49,6 +49,19 @@ def test_goal_is_made_and_its_found_recipe_runs(tmp_path):
     assert found.drive.end_deg == pytest.approx(data["drive_at_points_deg"][-1])
 
 
+def test_each_wanted_point_has_a_mark_of_the_same_size_on_the_screen(tmp_path):
+    shares = []
+    for scale in (1, 20):
+        recipe = gk.load(f"scale = {scale}\n{FIVE}")
+        (file,) = gk.write(recipe, tmp_path / f"{scale}-assembly.svg")
+        text = file.read_text()
+        radii = re.findall(r'<circle class="dot wanted" r="([^"]*)"', text)
+        width = float(re.search(r'viewBox="\S+ \S+ (\S+) ', text)[1])
+        assert len(radii) == 5
+        shares.append(float(radii[0]) / width)
+    assert shares[1] == pytest.approx(shares[0], rel=0.02) and 0.003 < shares[0] < 0.02
+
+
 @pytest.mark.parametrize(("key", "is_length"), [("links", True), ("crank", True), ("ground", True), ("offset", False)])
 def test_bounds_of_a_length_are_no_less_than_zero(key, is_length):
     text = f"{FIVE}{key} = [-5, 10]"

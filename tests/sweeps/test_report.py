@@ -1,6 +1,7 @@
 """A sweep's table and page, from rows made by hand: what is a number, a text, a line, a limit, and how much is shown."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 import geomkin as gk
 from geomkin.sweeps import evaluation
 from geomkin.sweeps.evaluation import SweepTask, evaluate, file_hashes
-from geomkin.sweeps.sweep import SweepRow, sweep_columns, swept
+from geomkin.sweeps.sweep import SweepRow, sweep_columns, sweep_page, swept
 from tests.sweeps.test_sweep import BAR
 
 
@@ -33,6 +34,17 @@ def task(tmp_path):
     data = {"kind": "four-bar", "linkage": {"ground": 100, "crank": 30, "coupler": 90, "rocker": 70},
             "drive": {"step_deg": 90}}  # fmt: skip
     return lambda *names: SweepTask(data, "bar\n.toml", str(tmp_path), names)
+
+
+def test_page_has_headings_in_words_and_noise_as_zero():
+    names = ("transmission_angle:least", "swings_deg.rocker.swing", "stroke_mm")
+    results = [dict(zip(names, values)) for values in ((6.4e-15, 40.0, 1e-3), (32.5, 6e-9, 2.0))]
+    rows = [SweepRow({"crank": k}, "", (), row) for k, row in enumerate(results)]
+    page = sweep_page("a", {"crank": [0, 1]}, rows).decode()
+    heads = re.findall('<th scope="col">([^<]*)', page)
+    assert heads[2:] == ["Least transmission angle", "Swings, rocker, swing, °", "Stroke, mm"]
+    cells = [re.findall("<td>([^<]*)", row) for row in re.findall("<tr class=.*?</tr>", page)]
+    assert [row[1:] for row in cells] == [["0", "40", "0.001"], ["32.5", "6e\N{MINUS SIGN}09", "2"]]
 
 
 def test_reported_results_are_those_of_table_and_notes(task):

@@ -166,9 +166,12 @@ export class Plots {
 
   // The columns of a card as uPlot takes them.
   curves(card) {
-    const known = ({ row }) => this.rising(Array.from(row, (y) => (isFinite(y) ? y : null)));
+    const known = ({ row }) => this.rising(Array.from(row, (y) => (this.isDrawn(card, y) ? y : null)));
     return [this.rising([...this.data.columns[0].row]), ...card.columns.map(known)];
   }
+
+  // Whether a value is known, and not so large that it would flatten all others.
+  isDrawn(card, y) { return isFinite(y) && abs(y) <= (this.data.plots[card.chosen].most ?? Infinity); }
 
   limitsOf(card) { return this.data.plots[card.chosen].limits ?? []; }
 
@@ -219,7 +222,7 @@ export class Plots {
     return inPrint(() => plotFile({
       width: plot.width, height: plot.height, bounds, ticks, labels, x: at("x", bounds[0]), y: at("y", bounds[1]), now: drive.row[this.frame],
       limits: this.limitsOf(card).map(([value, label]) => [value, unitOf(label).replace(" °", "°")]),
-      curves: columns.map((column, k) => ({ name: column.name, points: [...column.row].map((value, row) => [drive.row[row], value]), isSpot: column.spot,
+      curves: columns.map((column, k) => ({ name: column.name, points: [...column.row].map((value, row) => [drive.row[row], this.isDrawn(card, value) ? value : NaN]), isSpot: column.spot,
         stroke: style.getPropertyValue(`--${STROKES[k % 6]}`), dash: DASHES[k % 6] })),
       colours: { ink: style.getPropertyValue("--ink"), grid: style.getPropertyValue("--grid"), limit: style.getPropertyValue("--wanted") },
     }));

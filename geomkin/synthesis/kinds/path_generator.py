@@ -20,7 +20,7 @@ from ...linkage.moving import move
 from ...linkage.parts.stock import LinkStock, PlateStock, engraved, skeleton
 from ...model.check import Check
 from ...model.part import Part
-from ...model.scene import SceneCurve, SceneHandle, list_handles
+from ...model.scene import Scene, SceneHandle, SceneMark, list_handles
 from ...plane.curve import AbstractCurve
 from ...plane.primitives import Segment
 from ...plane.vec import Complex, Real
@@ -447,9 +447,16 @@ class PathGeneratorRecipe(AbstractLinkageGoal[PathFound]):
         """The points as crosses."""
         return [Segment(z - CROSS * arm, z + CROSS * arm) for z in self.marked.tolist() for arm in (1, 1j)]
 
-    @property
-    def shown(self) -> Sequence[SceneCurve]:
-        return [SceneCurve(line, "wanted", "wanted points" if not k else "") for k, line in enumerate(self.crosses)]
+    @cached_property
+    def scene(self) -> Scene:
+        """The moving linkage with the wanted points."""
+        found = super().scene
+        still = np.ones(len(found.time))
+        points = (
+            SceneMark("point", still * z, "wanted", "" if k else "wanted points")
+            for k, z in enumerate(self.marked.tolist())
+        )
+        return replace(found, marks=(*found.marks, *points))
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
