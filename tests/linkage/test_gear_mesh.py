@@ -212,3 +212,20 @@ def test_recipe_is_the_same_in_inches_and_at_an_angle_upside_down_in_a_machine()
     assert np.abs(mark.place - np.exp(1j * np.pi / 6) * own).max() < 1e-9
     layers = {body.name: body.layer for body in machine.scene.bodies}
     assert layers["b/crank"] == layers["b/other_crank_gear"] > layers["a/crank"] == layers["a/other_crank_gear"]
+
+
+@pytest.mark.parametrize(("body", "bar_width", "has_end"), [("other_crank", 8, True), ("crank", 8, False)])
+def test_a_body_that_is_a_gear_is_refused_a_counterweight(body, bar_width, has_end):
+    """The smaller gear is fixed on a bar, which gets one."""
+    weights = {"bodies": [body], "distance": 20, "largest_radius": 15}
+    stock = {"material": "birch-plywood", "bar_width": bar_width, "pin_diameter": 3}
+    text = recipe(stock=stock, loads={"counterweights": weights})
+    if has_end:
+        (plain,), (part,) = (
+            [part for part in gk.load(text).parts if part.name == body] for text in (recipe(stock=stock), text)
+        )
+        assert gk.area(part.outline) > gk.area(plain.outline) + 10
+        return
+    with pytest.raises(gk.DesignError) as refusal:
+        gk.load(text).parts
+    assert refusal.value.field == "loads.counterweights.bodies" and body in refusal.value.problem

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...core.errors import DesignError
+from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
 from ...model.check import Check
@@ -158,6 +158,11 @@ def balanced_plates(
     """
     assert stock.material is not None
     stack = stack_with_ends(fine_motion, stock, {})
+    round_ended = [body for body in table.bodies if body in stack.plates and not stack.plates[body].wheel]
+    if others := [body for body in table.bodies if body not in round_ended]:
+        problem = f"found {', '.join(others)}; bodies that are cut as a gear or a block get no round end"
+        remedy = f"give bodies = {shown(round_ended)}" if round_ended else "omit loads.counterweights"
+        raise DesignError("loads.counterweights.bodies", problem, remedy, "conflict")
     plates, plain = stack.plates, part_masses(link_parts(fine_motion, stock, stack))
 
     def bodies(screws: Mapping[str, Mass]) -> dict[str, Mass]:
