@@ -218,8 +218,8 @@ class LinkPlate:
     def _corners(self, name: str) -> Complex:
         return self.seat.corners if self.seat and name == self.seat.pin else np.array(self.openings[name])
 
-    def crossings(self, stock: LinkStock) -> Iterator[tuple[str, str, float, float]]:
-        """Pairs of openings that overlap: their names, the distance of their centres, and the required one, mm.
+    def edges(self, stock: LinkStock) -> list[tuple[str, Complex, float]]:
+        """Each opening: its name, the points whose convex hull it surrounds, complex mm, and at which distance, mm.
 
         For a motor's face its edge counts.
         """
@@ -230,7 +230,11 @@ class LinkPlate:
         for attachment, middle in self.attached:
             holes = attached_holes([(attachment, middle)], stock.clearance)
             loops += [(attachment.name, np.array([hole.centre]), hole.radius) for hole in holes]
-        for (one, corners, radius), (two, others, other_radius) in combinations(loops, 2):
+        return loops
+
+    def crossings(self, stock: LinkStock) -> Iterator[tuple[str, str, float, float]]:
+        """Pairs of openings that overlap: their names, the distance of their centres, and the required one, mm."""
+        for (one, corners, radius), (two, others, other_radius) in combinations(self.edges(stock), 2):
             apart, needed = max(0.0, float(separation(corners, others))), radius + other_radius
             # Two guide pins may share one slot. Holes of one attachment were compared before.
             is_shared = len(corners) == 2 and self.openings.get(one) == self.openings.get(two)
@@ -390,10 +394,15 @@ def _geared(body: str, wheel: MeshGear, plates: dict[str, LinkPlate], pins: list
     if np.abs(away).max() + hole <= wheel.room:
         plates[body] = replace(plate, wheel=wheel)
         return body
-    # The second pin is opposite to the farthest hole, so that it is near no other one.
-    farthest = complex(away[np.argmax(np.abs(away))])
-    place = wheel.pivot - FIXED_AT * stock.bar_width * farthest / abs(farthest)
-    if abs(place - wheel.pivot) + hole > wheel.room:
+    # The second pin is where the nearest hole other than the pivot's is farthest; of equal places, opposite to a hole.
+    farthest = complex(away[np.argmax(np.abs(away))]) or 1 + 0j
+    places = wheel.pivot - FIXED_AT * stock.bar_width * farthest / abs(farthest) * CIRCLE
+    clear = np.full(len(places), np.inf)
+    for _, corners, radius in plate.edges(stock):
+        if not (len(corners) == 1 and are_equal(corners[0], wheel.pivot)):
+            clear = np.minimum(clear, separation(places[:, None], corners[None].repeat(len(places), 0)) - radius)
+    place = complex(places[np.argmax(clear)])
+    if abs(place - wheel.pivot) + hole > wheel.room or clear.max() <= hole:
         problem = f"the gear of {body} with {wheel.gear.teeth} teeth has no room for the pin that fixes it"
         raise DesignError("meshes", problem, "give it more teeth, narrower bars, or put the pivots farther apart")
     name = unused(f"{body}_gear", plates)
