@@ -198,7 +198,8 @@ class CopiesAspect(AbstractLinkageAspect[tuple[Copy, ...]]):
     @property
     def checks(self) -> Iterator[Check]:
         if self.mechanism.stock.motor:
-            yield driven_check(self.mechanism.shared)
+            attached = [item.name for item in self.mechanism.stock.attachments]
+            yield driven_check(self.given, self.mechanism.shared, attached)
 
 
 def other_mode_scene(made: MadeLinkage) -> dict[str, Scene]:

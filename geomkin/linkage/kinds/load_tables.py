@@ -135,10 +135,13 @@ class BalancedPlates:
 
 
 def stack_with_ends(
-    motion: Motion, stock: LinkStock, ends: Mapping[str, RoundEnd], wheel: Flywheel | None = None
+    motion: Motion, stock: LinkStock, ends: Mapping[str, RoundEnd], wheel: Flywheel | None = None, open_pin: str = ""
 ) -> Stack:
-    """Plates with round ends and a flywheel in layers; motion: in steps so small that no collision is missed."""
-    assembly = assemble(motion, stock)
+    """Plates with round ends and a flywheel in layers; motion: in steps so small that no collision is missed.
+
+    open_pin: a pin that goes up to the uppermost layer, "" for none.
+    """
+    assembly = replace(assemble(motion, stock), open_pin=open_pin)
     plates = dict(assembly.plates) | {body: replace(assembly.plates[body], rim=end.rim) for body, end in ends.items()}
     assembly = replace(assembly, plates=plates)
     return stack_assembly(motion, stock, with_flywheel(assembly, motion.linkage, stock, wheel) if wheel else assembly)
