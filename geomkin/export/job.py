@@ -16,7 +16,7 @@ from ..model.part import Bought, Part
 from ..model.scene import Scene
 from ..model.table import Table
 from .cut import Cut, LayerStyles, cut
-from .layout import Sheet, lay_out, lay_out_on
+from .layout import Sheet, check_tabs, lay_out, lay_out_on
 from .mesh import is_solid_cut, solid_cut
 from .text import Title
 
@@ -166,9 +166,12 @@ class Job:
             cut(relieved(part, self.cutter), self.tolerance, self.kerf, self.arcs, number if self.labels else 0)
             for number, part in enumerate(self._parts, 1)
         ]
-        # A beam or cutter as wide takes half its width off both ends of a tab.
-        width = self.tab_width and self.tab_width + max(self.kerf, self.cutter)
-        return [replace(one, tab=width) for one in cuts] if width else cuts
+        # A beam or cutter takes half its width off both ends of a tab.
+        return [replace(one, tab=self.tab_width + self._cut_width) for one in cuts] if self.tab_width else cuts
+
+    @property
+    def _cut_width(self) -> float:
+        return max(self.kerf, self.cutter)
 
     @cached_property
     def solids(self) -> Sequence[Cut]:
@@ -208,6 +211,8 @@ class Job:
     @cached_property
     def sheets(self) -> tuple[Sheet, ...]:
         """The parts laid out on sheets."""
+        if self.tab_width:
+            check_tabs(self.flats, self.tab_width, self._cut_width)
         return lay_out_on(self.flats, *self.sheet) if self.sheet else (lay_out(self.flats),)
 
     def sheet_files(

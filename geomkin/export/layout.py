@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 
 from ..core.errors import DesignError
 from ..core.records import record
-from ..core.units import bare_mm, mm
+from ..core.units import bare_mm, mm, rounded_down
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, Mask, Real, box_of, direction_deg, rounded
 from .cut import Cut, Loop, is_inside
@@ -287,13 +288,35 @@ class Sheet:
 
 # Length of outline that one tab holds, mm, and the least number of tabs: a part on a single one turns.
 HELD, LEAST_TABS = 150.0, 2
+# Narrowest tab, mm: less than the decimals of drawings state, and it would hold nothing. Chosen here.
+NARROWEST_TAB = 0.01
 
 
-def tabbed(loop: Loop, width: float, digits: int) -> list[Loop]:
-    """The pieces of an outline in turn: those to cut, and on layer TAB those of tabs of a width, mm, that are left.
+def check_tabs(cuts: Sequence[Cut], width: float, cut_width: float) -> None:
+    """DesignError if tabs of a width, mm, each wider by that of the cut, would take more than half of an outline."""
+    names = [cut.part.name for cut in cuts if cut.loops[0].layer == "CUT"]
+    lengths = [float(_along(cut.loops[0])[-1][-1]) for cut in cuts if cut.loops[0].layer == "CUT"]
+    fits = [whole / (2 * _tabs_on(whole)) - cut_width for whole in lengths]
+    if width <= (widest := min(fits, default=inf)):
+        return
+    name, whole = names[fits.index(widest)], lengths[fits.index(widest)]
+    cut_too = f", and {mm(cut_width):g} more each for the cut," if cut_width else ""
+    problem = (
+        f"found {mm(width):g}, but {_tabs_on(whole)} tabs as wide{cut_too} take more than half of the outline of the "
+        f"{name}, which is {mm(whole):.4g} long"
+    )
+    if widest < NARROWEST_TAB:
+        raise DesignError("tab_width", problem, "give 0 for no tabs", "out-of-range", 0.0)
+    remedy = f"give at most {mm(widest):down4}, or 0 for no tabs"
+    raise DesignError("tab_width", problem, remedy, "out-of-range", float(rounded_down(widest, 4)))
 
-    Tabs are evenly spaced, each moved to the middle of the longest edge nearby. DesignError if they are too wide.
-    """
+
+def _tabs_on(whole: float) -> int:
+    return max(LEAST_TABS, int(np.ceil(whole / HELD)))
+
+
+def _along(loop: Loop) -> tuple[Polyline, Real, Real, Real]:
+    """An outline as a polyline, with the turns of its edges, rad, their lengths, mm, and where they begin and end."""
     shape = loop.shape
     if isinstance(shape, Circle):
         corners = shape.centre + shape.radius * np.array([1, 1j, -1, -1j])
@@ -301,13 +324,17 @@ def tabbed(loop: Loop, width: float, digits: int) -> list[Loop]:
     sweeps = 4 * np.arctan(np.zeros(len(shape.vertices)) if shape.bulges is None else np.asarray(shape.bulges))
     z = np.asarray(shape.vertices)
     lengths = np.abs(np.roll(z, -1) - z) / np.sinc(sweeps / (2 * np.pi))
-    ends = np.append(0.0, np.cumsum(lengths))
+    return shape, sweeps, lengths, np.append(0.0, np.cumsum(lengths))
+
+
+def tabbed(loop: Loop, width: float, digits: int) -> list[Loop]:
+    """The pieces of an outline in turn: those to cut, and on layer TAB those of tabs of a width, mm, that are left.
+
+    Tabs are evenly spaced, each moved to the middle of the longest edge nearby.
+    """
+    shape, sweeps, lengths, ends = _along(loop)
     whole = float(ends[-1])
-    count = max(LEAST_TABS, int(np.ceil(whole / HELD)))
-    if 2 * count * width > whole:
-        problem = f"{count} tabs, each {mm(width):g} wide with the cut at its ends, on an outline {mm(whole):.4g} long"
-        remedy = f"make tab_width at least {mm(width - whole / (2 * count)):up4} smaller"
-        raise DesignError("tab_width", problem, remedy, "out-of-range")
+    count = _tabs_on(whole)
     middles = (ends[:-1] + ends[1:]) / 2
     spacing = whole / count
     tabs = []

@@ -237,9 +237,9 @@ class SubCurve(Derived):
 
     def _inside(self, t: ArrayLike) -> Real:
         """At the last break the curve would use the piece beyond, so the parameter is moved before it."""
-        t, end = np.asarray(t, dtype=float), self.run[-1:]
-        rounding = 64 * np.spacing(np.abs(end))
-        return just_before(t, end) if (np.abs(self.curve.breaks - end) <= rounding).any() else t
+        t, end, breaks = np.asarray(t, dtype=float), self.run[-1], self.curve.breaks
+        rounding = 64 * np.spacing(np.abs(breaks).max())
+        return np.where(t == end, t - rounding, t) if (np.abs(breaks - end) <= rounding).any() else t
 
     @property
     def breaks(self) -> Real:

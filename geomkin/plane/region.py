@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from ..core.errors import DesignError
-from .curve import AbstractCurve, Mirrored, Offset, Reversed, SubCurve
+from .curve import AbstractCurve, Mirrored, Moved, Offset, Reversed, SubCurve
 from .flatten import CORNER, direction, smooth_runs
 from .joined import Path, PolarArray
 from .primitives import Arc, Polyline, Segment
@@ -290,6 +290,9 @@ def parallel(curve: AbstractCurve, distance: float) -> AbstractCurve | None:
     """
     if distance == 0:
         return curve
+    if isinstance(curve, Moved):
+        inner = parallel(curve.curve, distance)
+        return Moved(inner, curve.pose) if inner else None
     if isinstance(curve, PolarArray):
         rotation = complex(curve.turns[1 % curve.count])
         pieces = _pieces(curve.piece, distance, first_after=rotation)

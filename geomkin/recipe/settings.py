@@ -14,6 +14,7 @@ from ..core.records import record
 from ..core.units import bare_mm, mm
 from ..export.cut import LayerStyles
 from ..export.formats import DEFAULT_FORMATS, WRITERS
+from ..export.layout import NARROWEST_TAB
 from ..export.text import Title
 from ..model.check import Check, Suggestion
 from ..model.material import Mass
@@ -36,8 +37,6 @@ Format = Annotated[str, OneOfFormats()]
 # Width or height of a sheet, mm. A smaller one has no room within its margins; a larger one does not exist.
 Side = Annotated[float, between(10, WIDEST, "mm")]
 
-# Narrowest tab, mm: less than the decimals of drawings state, and it would hold nothing. Chosen here.
-NARROWEST_TAB = 0.01
 # Largest numbers of rows and of cells of a table, which take some seconds and half a GB. More take minutes and several
 # GB, and no program opens them; fewer would refuse a full turn in steps of a hundredth of a degree.
 MOST_ROWS = 50_000

@@ -2,6 +2,7 @@
 
 import io
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -141,6 +142,27 @@ def test_tabs_wider_than_the_outline_are_refused_with_a_width_that_fits():
     with pytest.raises(gk.DesignError) as caught:
         Files(tab_width=1e-12)
     assert caught.value.field == "tab_width" and Files(tab_width=caught.value.value)
+
+
+@pytest.mark.parametrize("cut_width", [{}, {"kerf": 0.1}, {"cutter": 2.0}, {"kerf": 0.1, "cutter": 2.0}])
+def test_the_widest_tab_is_that_of_the_part_with_least_room(cut_width):
+    """Two tabs up to 300 mm of outline, together at most half of it; the number is stated at once and passes."""
+    parts = tuple(gk.Part(f"{r:g}", gk.plane.Circle(0j, r), (), 3.0) for r in (20.0, 7.0, 90.0))
+    job = Job("a", StaticSource(parts), 0.005, tab_width=20.0, **cut_width)
+    with pytest.raises(gk.DesignError) as caught:
+        job.sheets
+    kerf, taken = cut_width.get("kerf", 0), max([0, *cut_width.values()])
+    assert caught.value.value == pytest.approx(np.pi * (7 + kerf / 2) / 2 - taken, abs=0.011)
+    assert dxf(replace(job, tab_width=caught.value.value).sheets[0])
+    with pytest.raises(gk.DesignError):
+        replace(job, tab_width=caught.value.value + 0.011).sheets
+
+
+def test_an_outline_without_room_for_tabs_is_cut_without_them():
+    job = Job("a", StaticSource((gk.Part("pin", gk.plane.Circle(0j, 1), (), 3.0),)), 0.005, cutter=2.0, tab_width=0.5)
+    with pytest.raises(gk.DesignError) as caught:
+        job.sheets
+    assert caught.value.value == 0 and replace(job, tab_width=0.0).sheets
 
 
 def test_layers_have_the_names_and_colours_of_the_recipe():

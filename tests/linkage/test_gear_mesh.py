@@ -162,6 +162,26 @@ def test_a_gear_is_the_crank_if_its_pin_has_room_in_it_and_else_fixed_by_two_pin
     assert both[1] < both[0] and len(both[1]) == 2
 
 
+@pytest.mark.parametrize("at", [[-44, 0], [-44, 10], [-20, -38]])
+def test_the_pin_that_fixes_a_gear_is_where_the_holes_leave_room(at):
+    """On a circle about the pivot, no farther from the nearest other hole than it could be, within a sixteenth turn."""
+    arm = {"name": "arm", "body": "crank", "at": at, "screw": "M3"}
+    text = recipe(stock={"bar_width": 12, "pin_diameter": 4, "attachments": [arm]})
+    text["linkage"]["meshes"][0]["teeth"] = [24, 24]
+    parts = {part.name: part for part in gk.load(text).parts}
+    (pin,) = {hole.centre for hole in parts["crank_gear"].holes} - {0j}
+    others = np.array([hole.centre for hole in parts["crank"].holes if hole.centre not in (0, pin)])
+    assert len(others) == 2 and {pin, 0j} < {hole.centre for hole in parts["crank"].holes}
+    clear = np.abs(abs(pin) * np.exp(1j * np.linspace(0, 2 * np.pi, 721))[:, None] - others).min(axis=1).max()
+    assert np.abs(pin - others).min() > clear - abs(pin) * np.pi / 16 - 0.5
+
+
+def test_a_gear_too_small_for_its_own_pin_is_refused():
+    with pytest.raises(gk.DesignError) as refusal:
+        stack_links(gk.move(five_bar((34, 34), idler=9), [0.0, 0.1]), LinkStock(bar_width=16, pin_diameter=10))
+    assert refusal.value.field == "meshes"
+
+
 @pytest.mark.parametrize(
     ("change", "field"),
     [
@@ -212,3 +232,20 @@ def test_recipe_is_the_same_in_inches_and_at_an_angle_upside_down_in_a_machine()
     assert np.abs(mark.place - np.exp(1j * np.pi / 6) * own).max() < 1e-9
     layers = {body.name: body.layer for body in machine.scene.bodies}
     assert layers["b/crank"] == layers["b/other_crank_gear"] > layers["a/crank"] == layers["a/other_crank_gear"]
+
+
+@pytest.mark.parametrize(("body", "bar_width", "has_end"), [("other_crank", 8, True), ("crank", 8, False)])
+def test_a_body_that_is_a_gear_is_refused_a_counterweight(body, bar_width, has_end):
+    """The smaller gear is fixed on a bar, which gets one."""
+    weights = {"bodies": [body], "distance": 20, "largest_radius": 15}
+    stock = {"material": "birch-plywood", "bar_width": bar_width, "pin_diameter": 3}
+    text = recipe(stock=stock, loads={"counterweights": weights})
+    if has_end:
+        (plain,), (part,) = (
+            [part for part in gk.load(text).parts if part.name == body] for text in (recipe(stock=stock), text)
+        )
+        assert gk.area(part.outline) > gk.area(plain.outline) + 10
+        return
+    with pytest.raises(gk.DesignError) as refusal:
+        gk.load(text).parts
+    assert refusal.value.field == "loads.counterweights.bodies" and body in refusal.value.problem

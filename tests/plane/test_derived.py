@@ -5,9 +5,9 @@ import pytest
 
 from geomkin.core.errors import DesignError
 from geomkin.plane import measure
-from geomkin.plane.curve import Mirrored, Moved, Offset, Reversed
+from geomkin.plane.curve import Mirrored, Moved, Offset, Reversed, SubCurve
 from geomkin.plane.joined import Path, PolarArray
-from geomkin.plane.primitives import Arc, Segment
+from geomkin.plane.primitives import Arc, Polyline, Segment
 from geomkin.plane.roulettes import Involute
 from geomkin.plane.vec import Pose, xy
 
@@ -76,6 +76,13 @@ def test_offset_of_a_path_of_cusps_leaves_each_along_the_piece_that_answers_ther
         beside, inner, end = Offset(curve, 0.6), curve.breaks[:-1], curve.breaks[-1]
         assert np.abs(beside.point(inner) - beside.point(inner + 1e-7)).max() < 1e-5
         assert abs(beside.point(end) - beside.point(end - 1e-7)) < 1e-5
+
+
+def test_part_of_a_ring_ends_along_its_last_piece_however_many_follow():
+    """The ring moves parameters onto its breaks by the rounding of its last one, not by that of the part's end."""
+    ring = PolarArray(Polyline(np.exp([0, np.log(0.9) + 0.02j * np.pi, 0.04j * np.pi]), None, False), 50)
+    part = SubCurve(ring, ring.breaks[:2])
+    assert np.allclose(part.velocity(part.run[-1]), ring.velocity(0.5))
 
 
 def test_path_runs_each_piece_over_one_unit():

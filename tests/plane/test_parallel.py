@@ -34,6 +34,7 @@ GROWN = {
     "flower inward": (Flower(3.0), -0.2),
     "cam": (cam_profile(), 0.7),
     "gear": (GEAR, 0.1),
+    "gear in a frame": (Moved(GEAR, Pose(3 - 7j, np.exp(1j))), 0.1),
     "lens": (PolarArray(Arc(-2j, 1 + 0j, 2 * np.arctan(0.5)), 2), 0.3),
 }
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.linkage.parts.stack import stack_links
 
 RECIPES = Path(__file__).parent.parent.parent / "recipes"
 LEG = (
@@ -155,3 +156,15 @@ def test_motor_turns_the_copies_up_to_the_first_that_no_rod_joins(copies, loose)
     rods = sum(item.count for item in recipe.bought if item.name.startswith("rod"))
     # Rods between copies that are joined to each other, but not to the first, do not help.
     assert rods >= len(copies) - loose and (rods == 0) == (loose == len(copies))
+
+
+@pytest.mark.parametrize(("at", "rods"), [([99, 67], True), ([29, 117], False)])
+def test_layers_leave_the_rods_between_cranks_or_the_attachment_in_their_way_is_named(at, rods):
+    """A rocker that is wide enough to pass over the crank's pin at the first place, and over its shaft at the second."""
+    arm = {"name": "wing", "body": "rocker", "at": at, "screw": "M2"}
+    made = gk.load({**MOTOR_CRANK, "copies": ALTERNATING, "stock": {**MOTOR_CRANK["stock"], "attachments": [arm]}})
+    fewest = stack_links(made.made.fine_motion, made.stock)
+    assert fewest.layers["rocker"] > fewest.layers["coupler"] and not made.made.stack.collisions
+    assert all(rod.pin for rod in made.made.shared) == rods
+    (check,) = (check for check in made.checks if check.id == "copies_not_driven")
+    assert check.passed == rods and (rods or "wing" in check.advice)

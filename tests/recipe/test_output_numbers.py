@@ -59,3 +59,14 @@ def test_a_slide_dwells_in_mm() -> None:
     with pytest.raises(gk.RecipeError) as caught:
         parse(text.replace("band_mm = 0.5", 'band_deg = 0.5\noutput = "rocker"'))
     assert [problem.key for problem in caught.value.problems] == ["dwell.output"]
+
+
+def test_a_body_whose_name_begins_like_the_columns_of_the_other_mode_is_refused() -> None:
+    bodies = {"ground": {"O": [0, 0], "D": [100, 0]}, "crank": {"O": [0, 0], "B": [30, 0]}}
+    bodies |= {"rod": {"B": [0, 0], "C": [90, 0]}, "other_rod": {"D": [0, 0], "C": [70, 0]}}
+    recipe = {"kind": "linkage", "linkage": {"driver": "crank", "bodies": bodies}, "both_modes": True}
+    with pytest.raises(gk.DesignError) as refusal:
+        gk.load(recipe).table
+    assert refusal.value.field == "both_modes" and "other_rod" in refusal.value.remedy
+    bodies["rocker"] = bodies.pop("other_rod")
+    assert "other_rod_angle" in gk.load(recipe).table.ids

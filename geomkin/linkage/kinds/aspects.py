@@ -162,7 +162,14 @@ class BothModesAspect(AbstractLinkageAspect[bool]):
     def columns(self, table: Table) -> Iterator[Column]:
         # Both modes have the same columns of driver and time.
         for column in self.mechanism.table_of(self.other[1]).columns[2:]:
-            yield replace(column, id=f"other_{column.id}", meaning=f"in the other mode, {marked(column.meaning)}")
+            if (id := f"other_{column.id}") in table.ids:
+                linkage = self.mechanism.motion.linkage
+                points = (point for points in linkage.bodies.values() for point in points)
+                names = (*linkage.bodies, *points, *(joint.name for joint in linkage.joints))
+                name = max((name for name in names if id.startswith(f"{name}_")), key=len, default=id)
+                problem = f"found true, whose columns begin with other_, and {shown(id)} is already a column of {name}"
+                raise DesignError("both_modes", problem, f"give {name} another name, or omit both_modes", "conflict")
+            yield replace(column, id=id, meaning=f"in the other mode, {marked(column.meaning)}")
 
     @property
     def entries(self) -> Mapping[str, object]:
@@ -196,7 +203,8 @@ class CopiesAspect(AbstractLinkageAspect[tuple[Copy, ...]]):
     @property
     def checks(self) -> Iterator[Check]:
         if self.mechanism.stock.motor:
-            yield driven_check(self.mechanism.shared)
+            attached = [item.name for item in self.mechanism.stock.attachments]
+            yield driven_check(self.given, self.mechanism.shared, attached)
 
 
 def other_mode_scene(made: MadeLinkage) -> dict[str, Scene]:

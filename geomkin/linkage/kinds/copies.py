@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -284,17 +285,49 @@ def counted(driven: Sequence[Part], others: Sequence[Part], count: int) -> tuple
     return tuple(parts.values())
 
 
+def stacks_for_rods(
+    copies: tuple[Copy, ...], linkage: AbstractLinkage, stacks_of: Callable[[str], tuple[Stack, Stack]]
+) -> tuple[Stack, Stack]:
+    """The stacks of the first linkage and of a copy with the fewest layers in which all rods between copies fit.
+
+    If none has all rods, those with most. Only rods between copies face to face depend on the order of layers.
+
+    stacks_of: the stacks with a given pin in the uppermost layer, or with any, "".
+    """
+    fewest = stacks_of("")
+
+    def rodless(stacks: tuple[Stack, Stack]) -> int:
+        return sum(not rod.pin for rod in shared_rods(copies, linkage, stacks, 1.0))
+
+    if not any(_face_to_face(*pair) for pair in pairwise((Copy(), *copies))) or not rodless(fewest):
+        return fewest
+    driver, ground = linkage.linkage.driver, linkage.linkage.ground
+    pins = (name for name, bodies in linkage.linkage.pins.items() if driver in bodies and ground not in bodies)
+    tries = [fewest, *(stacks_of(name) for name in pins)]
+    return min(tries, key=lambda stacks: (sum(len(stack.collisions) for stack in stacks), rodless(stacks)))
+
+
+def _face_to_face(one: Copy, two: Copy) -> bool:
+    """Whether the cranks of neighbouring copies face each other in phase."""
+    return two.mirrored and not one.mirrored and (two.phase_deg - one.phase_deg) % 360 == 0
+
+
 def shared_rods(
-    copies: tuple[Copy, ...], linkage: AbstractLinkage, stacks: Sequence[Stack], thickness: float
-) -> Iterator[Shared]:
+    copies: tuple[Copy, ...], linkage: AbstractLinkage, stacks: tuple[Stack, Stack], thickness: float
+) -> tuple[Shared, ...]:
     """The rods by which neighbouring copies drive each other; where none fits, pin "", length 0 and room nan.
 
     Back to back, the shaft goes from crank to crank through both grounds. Face to face, the cranks share a pin if they
     are in phase and it ends in the uppermost layer, so that nothing passes over it. Derived here.
 
-    stacks: of the first linkage and of each copy.
+    stacks: of the first linkage and of a copy.
     """
-    all_copies = (Copy(0.0), *copies)
+    return tuple(_shared_rods((Copy(), *copies), linkage, (stacks[0], *(stacks[1] for _ in copies)), thickness))
+
+
+def _shared_rods(
+    all_copies: tuple[Copy, ...], linkage: AbstractLinkage, stacks: Sequence[Stack], thickness: float
+) -> Iterator[Shared]:
     for k in range(1, len(stacks)):
         (one, two), (lower, upper) = all_copies[k - 1 : k + 1], stacks[k - 1 : k + 1]
         pair, apart = f"copies {k} and {k + 1}", (two.phase_deg - one.phase_deg) % 360
@@ -306,7 +339,7 @@ def shared_rods(
             angle = "so that their pins point in opposite directions" if apart == 180 else f"{apart:g} deg apart"
             words = f"{pair} back to back, {mm(room):g} between their grounds: {rod}, {angle}"
             yield Shared(shaft.name, length, room, words, room)
-        elif two.mirrored and not one.mirrored and apart == 0 and (names := [n for n in common if n in other_common]):
+        elif _face_to_face(one, two) and (names := [n for n in common if n in other_common]):
             pin = names[0]
             room = sum(_beyond(stack, thickness, max(stack.layers.values()), pin) for stack in (lower, upper))
             length = common[pin].length + other_common[pin].length + room
@@ -431,10 +464,20 @@ def _frame_step(shared: Sequence[Shared], stacks: Sequence[Stack], thickness: fl
     )
 
 
-def driven_check(shared: Sequence[Shared]) -> Check:
-    """Check that the motor of the first linkage turns all copies, through the rods between their cranks."""
+def driven_check(copies: Sequence[Copy], shared: Sequence[Shared], attached: Collection[str]) -> Check:
+    """Check that the motor of the first linkage turns all copies, through the rods between their cranks.
+
+    attached: names of attachments.
+    """
     joined = next((k for k, rod in enumerate(shared) if not rod.pin), len(shared))
+    one, two = (Copy(), *copies, Copy())[joined : joined + 2]
     advice = "let every second copy be mirrored, in phase with the one before it, so that rods join their cranks"
+    if joined < len(shared) and (_face_to_face(one, two) or (one.mirrored and not two.mirrored)):
+        moved = f", move {' and '.join(attached)} nearer to the pins of the same plate" if attached else ""
+        advice = (
+            f"plates cover the crank's pins towards copy {joined + 2} in each order of layers: give narrower "
+            f"bars{moved}, or add a shaft that turns all cranks"
+        )
     return Check(
         "copies_not_driven", "copies that no rod joins to the motor", len(shared) - joined, "at most", 0, "", advice
     )

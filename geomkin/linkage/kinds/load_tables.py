@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...core.errors import DesignError
+from ...core.errors import DesignError, shown
 from ...core.fields import FARTHEST, entry, quantity, to_digits
 from ...core.records import record
 from ...model.check import Check
@@ -135,10 +135,13 @@ class BalancedPlates:
 
 
 def stack_with_ends(
-    motion: Motion, stock: LinkStock, ends: Mapping[str, RoundEnd], wheel: Flywheel | None = None
+    motion: Motion, stock: LinkStock, ends: Mapping[str, RoundEnd], wheel: Flywheel | None = None, open_pin: str = ""
 ) -> Stack:
-    """Plates with round ends and a flywheel in layers; motion: in steps so small that no collision is missed."""
-    assembly = assemble(motion, stock)
+    """Plates with round ends and a flywheel in layers; motion: in steps so small that no collision is missed.
+
+    open_pin: a pin that goes up to the uppermost layer, "" for none.
+    """
+    assembly = replace(assemble(motion, stock), open_pin=open_pin)
     plates = dict(assembly.plates) | {body: replace(assembly.plates[body], rim=end.rim) for body, end in ends.items()}
     assembly = replace(assembly, plates=plates)
     return stack_assembly(motion, stock, with_flywheel(assembly, motion.linkage, stock, wheel) if wheel else assembly)
@@ -158,6 +161,11 @@ def balanced_plates(
     """
     assert stock.material is not None
     stack = stack_with_ends(fine_motion, stock, {})
+    round_ended = [body for body in table.bodies if body in stack.plates and not stack.plates[body].wheel]
+    if others := [body for body in table.bodies if body not in round_ended]:
+        problem = f"found {', '.join(others)}; bodies that are cut as a gear or a block get no round end"
+        remedy = f"give bodies = {shown(round_ended)}" if round_ended else "omit loads.counterweights"
+        raise DesignError("loads.counterweights.bodies", problem, remedy, "conflict")
     plates, plain = stack.plates, part_masses(link_parts(fine_motion, stock, stack))
 
     def bodies(screws: Mapping[str, Mass]) -> dict[str, Mass]:

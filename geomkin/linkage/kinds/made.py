@@ -42,6 +42,7 @@ from .copies import (
     frame_places,
     joint_bills,
     shared_rods,
+    stacks_for_rods,
     with_frame,
     without_motor,
 )
@@ -185,8 +186,14 @@ class MadeLinkage(DrivenLinkage):
     def _unframed(self) -> tuple[Stack, Stack]:
         """The stacks of the first linkage and of a copy, without the frame of a walker."""
         ends = self.round_ends()
-        own = stack_with_ends(self.fine_motion, self.stock, ends, self.flywheel())
-        return own, own if self.stock.motor is None else stack_with_ends(self.fine_motion, self.copy_stock, ends)
+
+        def stacks(open_pin: str) -> tuple[Stack, Stack]:
+            own = stack_with_ends(self.fine_motion, self.stock, ends, self.flywheel(), open_pin)
+            if self.stock.motor is None:
+                return own, own
+            return own, stack_with_ends(self.fine_motion, self.copy_stock, ends, open_pin=open_pin)
+
+        return stacks_for_rods(self.copies, self.linkage, stacks)
 
     @cached_property
     def frame(self) -> tuple[complex, ...]:
@@ -220,8 +227,7 @@ class MadeLinkage(DrivenLinkage):
     @cached_property
     def shared(self) -> tuple[Shared, ...]:
         """The rods by which neighbouring copies drive each other."""
-        stacks = (self._unframed[0], *(self._unframed[1] for _ in self.copies))
-        return tuple(shared_rods(self.copies, self.linkage, stacks, self.stock.thickness))
+        return shared_rods(self.copies, self.linkage, self._unframed, self.stock.thickness)
 
     def copies_of(self, motion: Motion) -> tuple[Copied, ...]:
         """The motion of each copy; motion: of the first linkage, over one turn."""

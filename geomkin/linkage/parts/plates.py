@@ -324,13 +324,15 @@ class Pin:
 class LinkAssembly:
     """Plates by name, in the order of the linkage's bodies, and the pins that join them.
 
-    gears: trains that share a layer. pack: plates that lie on one another, without others between them.
+    gears: trains that share a layer. pack: plates that lie on one another, without others between them. open_pin: a pin
+    that goes up to the uppermost layer, "" for none.
     """
 
     plates: Mapping[str, LinkPlate]
     pins: tuple[Pin, ...]
     gears: tuple[tuple[str, ...], ...] = ()
     pack: tuple[str, ...] = ()
+    open_pin: str = ""
 
 
 def assemble(motion: Motion, stock: LinkStock) -> LinkAssembly:

@@ -463,7 +463,7 @@ def _order(meetings: Meetings, carried: Carried, clean: bool = True) -> Order | 
         Passing(
             joins=_bits(layered[name] for name in pin.plates if name != ground),
             bottom=ground in pin.plates and pin.joint not in carried,
-            top=ground in pin.plates and pin.joint in carried,
+            top=(ground in pin.plates and pin.joint in carried) or pin.name == meetings.assembly.open_pin,
             hits=_bits(k for name, k in layered.items() if (pin.name, name) in meetings.pin_and_plate),
         )
         for pin in pins
@@ -498,6 +498,7 @@ def _stack(meetings: Meetings, carried_joints: Carried, best: Order) -> Stack:
         fixed = bridge if on_bridge.get(pin.name) else ground
         holes, slots = (tuple(fixed if n == ground else n for n in names) for names in (pin.holes, pin.slots))
         ends = [layers[name] for name in holes + slots]
+        ends += [top - 1] if pin.name == meetings.assembly.open_pin else []
         spans.append(PinSpan(pin.name, min(ends), max(ends), 0.0, holes, slots))
     stack = Stack(layers, tuple(spans), (), plates, stock.fastener_used, motor_plates=stock.motor_plates)
     return _spread(meetings, stack, pins)
