@@ -17,7 +17,17 @@ from ..core.fields import FARTHEST, entry, quantity, rounded_down, to_digits
 from ..core.records import record
 from ..core.units import UNITS, mm
 from ..making.assembly import BaseStock
-from ..making.motors import MOTORS, MotorKey, motor_check, motor_entry, motor_summary, nearest_motor, smallest_motor
+from ..making.motors import (
+    MOTORS,
+    MotorFace,
+    MotorKey,
+    motor_check,
+    motor_entry,
+    motor_keys,
+    motor_summary,
+    nearest_motor,
+    smallest_motor,
+)
 from ..model.check import Check, WorkedFormula
 from ..model.motor import RPM, Motor, MotorDuty, RotatingBody
 from ..model.scene import Scene, SceneHandle, SceneMark, circle_handle, drawn_at, point_handle
@@ -287,6 +297,13 @@ class LoopLoadsAspect(AbstractAspect[AbstractLoopRecipe, LoopLoads]):
         if found != driven:
             problem = f"found {found} for {driven} toothed wheels after the driver"
             raise DesignError("loads.torques_n_mm", problem, f"give {driven}, 0 for one without load", "conflict")
+        motor_keys(*self._given_motors)
+
+    @property
+    def _given_motors(self) -> tuple[Motor | None, str | MotorFace | None, str]:
+        """The motor of the table, the mounted one, and the key of the latter."""
+        key = "first_stock" if self.mechanism.first_stock else "stock"
+        return self.given.motor, getattr(self.mechanism, key).motor, f"{key}.motor"
 
     @cached_property
     def tensions(self) -> LoopTensions:
@@ -305,17 +322,16 @@ class LoopLoadsAspect(AbstractAspect[AbstractLoopRecipe, LoopLoads]):
         return MotorDuty(np.full(2, self.tensions.driver_torque), np.full(2, speed), np.array([0.0, 2 * np.pi]))
 
     @property
-    def motor(self) -> tuple[Motor, str]:
-        """The given or mounted motor, the lightest that suffices, or the nearest; and its key."""
-        key = "first_stock" if self.mechanism.first_stock else "stock"
-        mounted = getattr(self.mechanism, key).motor
-        motor = self.given.motor or MOTORS.get(str(mounted)) or smallest_motor(self.duty)
-        return motor or nearest_motor(self.duty), f"{key}.motor" if mounted else "loads.motor"
+    def motor(self) -> Motor:
+        """The given or mounted motor, the lightest that suffices, or the nearest."""
+        named, mounted, _ = self._given_motors
+        motor = named or MOTORS.get(str(mounted)) or smallest_motor(self.duty) or nearest_motor(self.duty)
+        assert motor is not None
+        return motor
 
     @property
     def checks(self) -> Iterator[Check]:
-        motor, key = self.motor
-        yield motor_check(motor, self.duty, key=key)
+        yield motor_check(self.motor, self.duty, keys=motor_keys(*self._given_motors))
         if (allowed := self.given.allowed_tension_n) is not None:
             words = f"tension of the tight strand of the {self.mechanism.loop_name}"
             # A given slack tension stays, another one is in proportion to the torques.
@@ -338,7 +354,7 @@ class LoopLoadsAspect(AbstractAspect[AbstractLoopRecipe, LoopLoads]):
         wheels = {n: {"tension_after_N": to_digits(t), "shaft_load_N": to_digits(f)} for n, t, f in loads}
         own = {"pull_N": to_digits(tensions.pull), "driver_torque_n_mm": to_digits(tensions.driver_torque)}
         power = 1e-3 * tensions.driver_torque * float(self.duty.speed[0])
-        driver = {"power_W": to_digits(power), "motor": motor_summary(self.motor[0], self.duty)}
+        driver = {"power_W": to_digits(power), "motor": motor_summary(self.motor, self.duty)}
         return {"loads": {**own, **driver, "wheels": wheels}}
 
     def on_scene(self, scene: Scene) -> Scene:

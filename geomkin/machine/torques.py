@@ -15,7 +15,16 @@ from ..linkage.dynamics.wrenches import NEWTON
 from ..linkage.kinds.loaded import LEAST_CARRIED
 from ..linkage.kinds.loads import CarriedMass
 from ..linkage.kinds.stance import FEWEST_FEET, POSITIONS, UNKNOWN_STANCE, UPRIGHT, Stance, Walking, stance_with
-from ..making.motors import motor_check, motor_summary, nearest_motor, power_summary, smallest_motor
+from ..making.motors import (
+    MotorKeys,
+    motor_check,
+    motor_keys,
+    motor_name,
+    motor_summary,
+    nearest_motor,
+    power_summary,
+    smallest_motor,
+)
 from ..model.check import Check
 from ..model.motor import RPM, Motor, MotorDuty
 from ..model.scene import Plot
@@ -355,20 +364,18 @@ class MachineTorques(TurningMachine):
         return MotorDuty(torque, np.full(turns.shape, RPM * self.speed_rpm), 2 * np.pi * turns)
 
     @cached_property
-    def motor(self) -> tuple[Motor, str] | None:
-        """The motor of the driver and its key: mounted, named in its loads, the lightest that suffices, or the nearest.
+    def motor(self) -> tuple[Motor, MotorKeys] | None:
+        """Motor of the driver and its keys: named in its loads, mounted, the lightest that suffices, or the nearest.
 
-        None without loads.
+        None without loads, and if none is given and a torque is unknown.
         """
-        if (duty := self.duty) is None or not np.isfinite(duty.torque).any():
+        if (duty := self.duty) is None:
             return None
         recipe, key = self.recipes[self.graph.driver], f"mechanisms.{self.graph.driver}.recipe"
-        named = getattr(getattr(recipe, "loads", None), "motor", None)
-        if named is not None:
-            return named, f"{key}.loads.motor"
-        if mounted := mounted_motor(recipe):
-            return mounted, f"{key}.{motor_key(recipe)}"
-        return smallest_motor(duty) or nearest_motor(duty), f"{key}.loads.motor"
+        named, mounted = getattr(getattr(recipe, "loads", None), "motor", None), mounted_motor(recipe)
+        keys = motor_keys(named, motor_name(mounted) if mounted else None, motor_key(recipe))
+        motor = named or mounted or smallest_motor(duty) or nearest_motor(duty)
+        return (motor, tuple(f"{key}.{own}" for own in keys)) if motor else None
 
     @property
     def checks(self) -> Iterator[Check]:
@@ -381,7 +388,7 @@ class MachineTorques(TurningMachine):
             raise DesignError("drive.speed_fluctuation", problem, remedy, "conflict")
         motor, duty = self.motor, self.duty
         if motor is not None and duty is not None:
-            at = float(np.degrees(duty.angle[np.nanargmax(np.abs(duty.torque))]))
+            at = float(np.degrees(duty.angle[np.argmax(np.abs(duty.torque))]))
             yield motor_check(motor[0], duty, TORQUE, at, motor[1])
 
     @property
@@ -421,10 +428,10 @@ class MachineTorques(TurningMachine):
     @property
     def summary(self) -> Mapping[str, object]:
         """Torque, power and work of the driver, torques of the mechanisms, motor, flywheel, inertia of the gears."""
-        if (duty := self.duty) is None or not np.isfinite(duty.torque).any():
+        if (duty := self.duty) is None or not np.isfinite(duty.torque).all():
             return {}
-        peak = int(np.nanargmax(np.abs(duty.torque)))
-        largest = {name: to_digits(np.fmax.reduce(np.abs(torque))) for name, torque in self.dense[1].items()}
+        peak = int(np.argmax(np.abs(duty.torque)))
+        largest = {name: to_digits(np.max(np.abs(torque))) for name, torque in self.dense[1].items()}
         gears = {"inertia_of_gears_kg_mm2": to_digits(inertia)} if (inertia := self.inertia_of_gears) else {}
         return {
             "loads": {

@@ -58,12 +58,10 @@ class ActuatorDuty:
     stroke: float
 
     def margin(self, actuator: LinearActuator) -> float:
-        """Least ratio of the force that it moves at each speed to that required; nan if all are unknown."""
-        known = np.isfinite(self.force)
-        supplied, required = actuator.force_at(self.speed)[known], np.abs(self.force[known])
+        """Least ratio of the force that it moves at each speed to that required; nan if a force is unknown."""
+        supplied, required = actuator.force_at(self.speed), np.abs(self.force)
         with np.errstate(divide="ignore", invalid="ignore"):
-            ratios = np.where(required > 0, supplied / required, np.inf)
-        return float(np.min(ratios, initial=np.inf)) if known.any() else float("nan")
+            return float(np.min(np.where(required == 0, np.inf, supplied / required)))
 
     @property
     def suitable(self) -> str | None:

@@ -81,6 +81,8 @@ MOTORS: dict[str, Motor] = {
 _NAMED = NamedIn(MOTORS, "motor")
 # Field type of a motor in the tables of a recipe.
 MotorKey = Annotated[Motor, _NAMED]
+# Keys of a recipe that decide on one motor.
+MotorKeys = tuple[str, ...]
 
 
 def motor(name: str) -> Motor:
@@ -141,9 +143,10 @@ def smallest_motor(duty: MotorDuty, margin: PositiveFloat = LEAST_MOTOR_MARGIN) 
     return MOTORS[name] if name else None
 
 
-def nearest_motor(duty: MotorDuty) -> Motor:
-    """The motor of the table with the largest margin; the fastest of equal ones."""
-    return max(MOTORS.values(), key=lambda motor: (motor.margin(duty), motor.speed_rpm))
+def nearest_motor(duty: MotorDuty) -> Motor | None:
+    """The motor of the table with the largest margin, the fastest of equal ones; None if a torque is unknown."""
+    known = (motor for motor in MOTORS.values() if not np.isnan(motor.margin(duty)))
+    return max(known, key=lambda motor: (motor.margin(duty), motor.speed_rpm), default=None)
 
 
 def _lightest(names: Iterable[str], duty: MotorDuty, margin: float) -> str | None:
@@ -162,15 +165,27 @@ def motor_name(motor: Motor) -> str | None:
     return next((key for key, known in MOTORS.items() if known == motor), None)
 
 
+def motor_keys(named: Motor | None, mounted: str | MotorFace | None, mounted_key: str = "stock.motor") -> MotorKeys:
+    """The keys of a recipe that decide on the motor of a shaft: that of its plate, and `loads.motor`.
+
+    named, mounted: values of `loads.motor` and of `mounted_key`. DesignError if both name a motor and not the same one.
+    """
+    if named and isinstance(mounted, str) and (name := motor_name(named)) not in (None, mounted):
+        problem = f"found {name}, and {mounted_key} is {mounted}, which turns the same shaft"
+        raise DesignError("loads.motor", problem, "give the same motor in both, or omit one of them", "conflict")
+    keys = {mounted_key: mounted, "loads.motor": named}
+    return tuple(key for key, value in keys.items() if value is not None) or ("loads.motor",)
+
+
 def motor_check(
-    motor: Motor, duty: MotorDuty, column: str = "", at: float | None = None, key: str = "loads.motor"
+    motor: Motor, duty: MotorDuty, column: str = "", at: float | None = None, keys: MotorKeys = ("loads.motor",)
 ) -> Check:
     """Check that a motor supplies the torque and speed of its duty, by the margin of `smallest_motor`.
 
-    column, at: id of the torque's column, and where the driver is at its peak, as in `Check`. key: the motor's in the
-    recipe; if it is not among the loads, a plate has the holes for it, and only motors with a known face replace it.
+    column, at: id of the torque's column, and where the driver is at its peak, as in `Check`. keys: the motor's in the
+    recipe; if one is not among the loads, a plate has the holes for it, and only motors with a known face replace it.
     """
-    on_plate = not key.endswith("loads.motor")
+    on_plate = any(not key.endswith("loads.motor") for key in keys)
     names = [name for name in MOTORS if name in MOTOR_FACES or not on_plate]
     better = _lightest(names, duty, LEAST_MOTOR_MARGIN)
     power = 1e-3 * duty.peak_torque * RPM * duty.peak_speed_rpm
@@ -178,11 +193,14 @@ def motor_check(
     change = f"choose another motor by its torque: none of the table suffices; {needed}"
     if better:
         shaft = f", whose shaft has {mm(MOTOR_FACES[better].shaft):g}" if on_plate else ""
-        change = f'give motor = "{better}" ({MOTORS[better].name}{shaft})'
+        change = f'give {" and ".join(keys)} = "{better}" ({MOTORS[better].name}{shaft})'
     advice = _excess(motor, duty) + change
+    if not np.isfinite(duty.torque).all():
+        where = "which the driver does not reach, or where friction locks it"
+        advice, at = f"no torque is known at some positions, {where}: let the other checks pass first", None
     name = f"torque of the {motor.name} to that required"
     limit = LEAST_MOTOR_MARGIN
-    suggestions = (Suggestion({key: better}),) if better else ()
+    suggestions = (Suggestion(dict.fromkeys(keys, better)),) if better else ()
     return Check("motor_torque", name, motor.margin(duty), "at least", limit, "", advice, column, at, "", suggestions)
 
 
@@ -195,7 +213,7 @@ def mounted_motor_checks(mechanism: Any, torque: float | Real) -> Iterator[Check
     motor = MOTORS.get(str(mechanism.stock.motor))
     if motor is not None and mechanism.setting.speed is None:
         torques, speed = np.broadcast_to(torque, TURN.shape), np.full(TURN.shape, mechanism.drive.speed)
-        yield motor_check(motor, MotorDuty(torques, speed, TURN), key="stock.motor")
+        yield motor_check(motor, MotorDuty(torques, speed, TURN), keys=("stock.motor",))
 
 
 def engagement_check(motor: str | MotorFace, engaged: float, below: float) -> Check:
@@ -229,7 +247,7 @@ def power_summary(duty: MotorDuty) -> dict[str, float]:
     values = {
         "work_N_mm": duty.work,
         "mean_power_W": duty.mean_power,
-        "largest_power_W": 1e-3 * float(np.fmax.reduce(duty.torque * duty.speed)),
+        "largest_power_W": 1e-3 * float(np.max(duty.torque * duty.speed)),
     }
     return {key: number for key, value in values.items() if (number := to_digits_or_none(value)) is not None}
 

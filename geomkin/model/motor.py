@@ -269,14 +269,13 @@ class Motor:
         -------
         float
             The least of the torque at each speed over the required one, and of the lasting torque over the root mean
-            square; 0 if the motor does not turn so fast or so far.
+            square; 0 if the motor does not turn so fast or so far; nan if a torque is unknown.
         """
-        known = np.isfinite(duty.torque)
-        if not known.any():
+        if not np.isfinite(duty.torque).all():
             return float("nan")
         if self.range_deg is not None and duty.angle_deg > self.range_deg * (1 + ROUNDING):
             return 0.0
-        supplied, required = self.torque_at(duty.speed[known]), np.abs(duty.torque[known])
+        supplied, required = self.torque_at(duty.speed), np.abs(duty.torque)
         if not (supplied > ROUNDING * self.torque_n_mm).all():
             return 0.0
         peak = np.argmax(required)

@@ -376,7 +376,7 @@ class Part:
     def mass(self) -> Mass | None:
         """Mass, centre and inertia of one copy in the part's frame; None without a material.
 
-        From the exact outline and holes; of a twisted solid, the mean of its sections.
+        From the exact outline and holes; of a twisted solid, the mean of its sections. DesignError if it is too large.
         """
         if self.material is None:
             return None
@@ -388,7 +388,16 @@ class Part:
         # kg per mm2 of the section.
         areal_density = self.material.density * 1e-9 * self.thickness
         inertia = section.polar - section.area * abs(centre) ** 2
-        return Mass(areal_density * section.area, centre, areal_density * inertia)
+        mass, inertia = areal_density * section.area, areal_density * inertia
+        try:
+            return Mass(mass, centre, inertia)
+        except DesignError as error:
+            problem = (
+                f"the {self.name} has a mass of {mass:.3g} kg and an inertia of {inertia:.3g} kg mm2, out of range"
+            )
+            raise DesignError(
+                self.name, problem, "give smaller lengths, or a smaller scale if one is given", error.id
+            ) from None
 
 
 # Shares of the height and their weights: Gauss' rule on each half, since a herringbone turns back in the middle. These

@@ -55,7 +55,7 @@ def test_the_smallest_motor_is_lighter_than_all_others_that_suffice():
     assert gk.making.smallest_motor(MotorDuty(1e6 * np.cos(TURN), np.full(TURN.shape, 1.0), TURN)) is None
 
 
-def test_a_servo_turns_no_farther_than_its_range_and_unknown_frames_are_left_out():
+def test_a_servo_turns_no_farther_than_its_range_and_an_unknown_torque_has_no_margin():
     for extent, turns in ((180, True), (181, False)):
         angle = np.radians(np.linspace(-30, extent - 30, 50))
         duty = MotorDuty(np.full(50, 1.0), np.full(50, 0.5), angle)
@@ -66,8 +66,9 @@ def test_a_servo_turns_no_farther_than_its_range_and_unknown_frames_are_left_out
     assert own.margin(MotorDuty(np.ones(2), fastest, np.arange(2.0))) == 0
     torque = np.where(np.arange(73) == 5, np.nan, 10.0)
     motor = Motor("own", torque_n_mm=100, speed_rpm=60, lasting_torque_n_mm=40, mass_g=1)
-    assert motor.margin(MotorDuty(torque, np.full(73, np.pi), TURN)) == pytest.approx(4)
-    assert np.isnan(motor.margin(MotorDuty(np.full(73, np.nan), np.full(73, np.pi), TURN)))
+    assert motor.margin(MotorDuty(np.full(73, 10.0), np.full(73, np.pi), TURN)) == pytest.approx(4)
+    assert np.isnan(motor.margin(MotorDuty(torque, np.full(73, np.pi), TURN)))
+    assert gk.making.smallest_motor(MotorDuty(torque, np.full(73, np.pi), TURN)) is None
 
 
 def test_the_duty_of_a_linkage_is_its_driver_s_torque_and_refused_without_a_shaft():

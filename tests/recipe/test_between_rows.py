@@ -66,6 +66,28 @@ def test_extremes_do_not_depend_on_the_rows(more):
         assert value == pytest.approx(values[id], rel=1e-2 if id == "motor_torque" else 1e-8), id
 
 
+def test_checks_of_a_walker_are_the_same_at_every_step():
+    walker = gk.load(RECIPES / "motor-walker.toml")
+
+    def values(step):
+        recipe = dataclasses.replace(walker, drive=dataclasses.replace(walker.drive, step_deg=step))
+        return numbers_of([*recipe.aspect("foot").checks, *recipe.aspect("loads").checks])
+
+    assert values(90) == pytest.approx(values(4), rel=1e-9)
+
+
+def test_strength_and_peaks_are_the_same_at_every_step():
+    crank_rocker = gk.load(RECIPES / "loaded-crank-rocker.toml")
+    loads = [
+        dataclasses.replace(crank_rocker, drive=dataclasses.replace(crank_rocker.drive, step_deg=step)).aspect("loads")
+        for step in (1, 90)
+    ]
+    fine, coarse = (numbers_of(aspect.checks) for aspect in loads)
+    assert coarse == pytest.approx(fine, rel=1e-9)
+    peaks, other = ({name: value for name, (value, _) in aspect.peaks.items()} for aspect in loads)
+    assert other == pytest.approx(peaks, rel=1e-9)
+
+
 def test_peaks_of_forces_are_those_of_a_fine_table():
     peaks = four_bar(24, loads=PUSHED).aspect("loads").peaks
     fine = four_bar(0.1, loads=PUSHED)

@@ -368,6 +368,17 @@ PIN_TO_PIN = {"body": "rocker", "point": "rocker_pin", "to_body": "coupler", "to
         ),
         # Both ends are at one pin, apart from rounding.
         ({"springs": [PIN_TO_PIN]}, "loads.springs[0]", "impossible-geometry"),
+        ({"torsion_springs": [{"body": "rod", "to_body": "rocker"}]}, "loads.torsion_springs[0].body", "unknown-key"),
+        (
+            {"torsion_springs": [{"body": "rocker", "to_body": "rod"}]},
+            "loads.torsion_springs[0].to_body",
+            "unknown-key",
+        ),
+        (
+            {"torsion_springs": [{"body": "rocker", "to_body": "rocker"}]},
+            "loads.torsion_springs[0].to_body",
+            "conflict",
+        ),
     ],
 )
 def test_a_load_that_the_linkage_cannot_have_is_refused_by_its_key(loads, key, id):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.recipe.keys import varied
 
 CASES = Path(__file__).parents[1] / "cases"
 
@@ -33,6 +34,96 @@ def test_a_cam_that_no_motor_turns_is_reported_too():
     cam = {"base_radius": 40, "follower": {"kind": "translating-roller", "roller_radius": 8}, "program": program}
     loads = {"follower": {"mass_kg": 1}, "preload_n": 1e5}
     assert not check(gk.load({"kind": "disk-cam", "cam": cam, "loads": loads}), "motor_torque").passed
+
+
+def jamming_pump(coefficient, **loads):
+    """A force of 5 N on the slider; its coupler leans by up to asin(30 / 50) from the guide."""
+    friction = [{"slide": "slide", "coefficient": coefficient}]
+    return {
+        "kind": "slider-crank", "linkage": {"crank": 30, "coupler": 50}, "stock": {"material": "steel-S235"},
+        "loads": {"slide_forces": [{"slide": "slide", "force_n": -5}], "slide_friction": friction, **loads},
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("step", [1, 30])
+def test_a_linkage_jams_where_its_coupler_is_steeper_than_the_cone_of_friction(step):
+    """Pushed against the force the slider jams where tan(angle of the coupler) > 1 / coefficient."""
+    start = 180 + np.degrees(np.arcsin(50 / 30 * np.sin(np.arctan(1 / 2))))
+    recipe = gk.load(jamming_pump(2, motor="37d-19") | {"drive": {"step_deg": step}})
+    moved = check(recipe, "share_movable")
+    assert moved.value == pytest.approx(100 * (1 - 2 * (270 - start) / 360), abs=0.3) and not moved.passed
+    assert moved.at == pytest.approx(start, abs=0.6)
+    for id in ("motor_torque", "pin_shear", "pin_pressure", "plate_stress"):
+        assert np.isnan(check(recipe, id).value) and not check(recipe, id).passed
+    assert recipe.notes["loads"]["motor"]["margin"] is None and not recipe.notes["loads"]["largest_pin_force_N"]
+    # Without a named motor none is said to suffice.
+    assert "motor" not in gk.load(jamming_pump(2)).notes["loads"]
+    assert check(gk.load(jamming_pump(1.3)), "share_movable").passed
+
+
+def test_the_motor_of_a_machine_whose_linkage_jams_has_no_margin():
+    pair = {"kind": "gear-pair", "first": {"teeth": 20, "module": 1}, "second": {"teeth": 20, "module": 1}}
+    mechanisms = {
+        "pump": {"recipe": jamming_pump(2, motor="37d-19")},
+        "pair": {"recipe": pair, "turned_by": "pump.crank"},
+    }
+    machine = gk.load({"kind": "machine", "mechanisms": mechanisms})
+    ids = {check.id: check for check in machine.checks}
+    assert np.isnan(ids["motor_torque"].value) and not ids["pump_share_movable"].passed
+
+
+CAM = {
+    "kind": "disk-cam",
+    "cam": {
+        "base_radius": 30,
+        "follower": {"kind": "translating-roller", "roller_radius": 8},
+        "program": [{"kind": "rise", "law": "cycloidal", "rise": 12, "end_deg": 150}, {"kind": "return", "law": "cycloidal", "end_deg": 360}],
+    },
+}  # fmt: skip
+
+
+def test_the_motor_of_a_cam_whose_guide_jams_has_no_margin():
+    guide = {"coefficient": 2, "length": 20, "overhang": 40}
+    loads = {"follower": {"mass_kg": 0.1}, "preload_n": 20, "friction": guide, "motor": "37d-50"}
+    assert np.isnan(check(gk.load(CAM | {"loads": loads}), "motor_torque").value)
+
+
+# Recipes with a motor in their loads and a mounted one, and the key of the latter.
+WITH_TWO_MOTORS = {
+    "linkage": ({"kind": "four-bar", "linkage": {"ground": 120, "crank": 30, "coupler": 100, "rocker": 70},
+                 "stock": {"thickness": 4, "bar_width": 16, "pin_diameter": 4, "fit": "press"},
+                 "loads": {"forces": [{"body": "rocker", "point": "rocker_pin", "force_n": [0, -10]}]}}, "stock"),
+    "cam": (CAM | {"loads": {"follower": {"mass_kg": 0.1}, "preload_n": 40}, "stock": {"thickness": 6, "bore": 5, "bore_form": "D"}}, "stock"),
+    "belt": ({"kind": "belt-drive", "belt": {"profile": "GT2-3M", "width": 9, "teeth": 80}, "pulleys": [{"teeth": 30}, {"teeth": 30, "at": [75, 0]}],
+              "stock": {"thickness": 10}, "first_stock": {"thickness": 10, "bore": 5, "bore_form": "D"},
+              "loads": {"torques_n_mm": [300], "speed_rpm": 30}}, "first_stock"),
+}  # fmt: skip
+
+
+def with_motors(name, named, mounted):
+    table, stock = WITH_TWO_MOTORS[name]
+    loads, own = table["loads"] | ({"motor": named} if named else {}), table[stock] | {"motor": mounted}
+    return table | {"loads": loads, stock: own}
+
+
+@pytest.mark.parametrize("name", WITH_TWO_MOTORS)
+def test_two_motors_on_one_shaft_are_refused_by_both_names(name):
+    with pytest.raises(gk.RecipeError) as caught:
+        gk.load(with_motors(name, "tt", "nema17"))
+    (problem,) = caught.value.problems
+    assert problem.key == "loads.motor"
+    assert all(word in problem.problem for word in ("tt", "nema17", f"{WITH_TWO_MOTORS[name][1]}.motor"))
+
+
+@pytest.mark.parametrize("name", WITH_TWO_MOTORS)
+@pytest.mark.parametrize("named", [None, "nema17-short"])
+def test_the_motor_that_is_advised_passes_whichever_key_names_it(name, named):
+    recipe = gk.load(with_motors(name, named, "nema17-short"))
+    failed = check(recipe, "motor_torque")
+    suggestion = next(s for s in failed.suggestions if any("motor" in key for key in s.values))
+    assert all(key in failed.advice for key in suggestion.values) and len(suggestion.values) == 1 + bool(named)
+    source, _ = varied(recipe)
+    assert check(source.opened(suggestion.values), "motor_torque").passed
 
 
 @pytest.mark.campaign

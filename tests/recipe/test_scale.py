@@ -167,3 +167,11 @@ def test_scale_multiplies_lengths_in_units_and_neither_forces_nor_masses():
     assert scaled.forces[0].point == 20 + 10j and scaled.springs[0].stiffness == 3
     mass = scaled.masses["crank"]
     assert (mass.mass_kg, mass.centre, mass.inertia_kg_mm2) == (0.2, 10, 200)
+
+
+def test_a_part_that_is_too_heavy_is_named_with_the_scale():
+    text = (RECIPES / "loaded-crank-rocker.toml").read_text("utf-8")
+    recipe = gk.load("scale = 1e6\n" + text)
+    with pytest.raises(gk.DesignError) as caught:
+        _ = recipe.checks
+    assert caught.value.field == "ground" and "ground" in caught.value.problem and "scale" in caught.value.remedy

@@ -13,7 +13,16 @@ from ...core.fields import FARTHEST, ROUNDING, entry, quantity, rounded_up, to_d
 from ...core.records import record
 from ...making.assembly import Assembly, BaseStock
 from ...making.fasteners import pin_parts
-from ...making.motors import MOTORS, MotorKey, motor_check, motor_entry, motor_summary, nearest_motor, smallest_motor
+from ...making.motors import (
+    MOTORS,
+    MotorKey,
+    motor_check,
+    motor_entry,
+    motor_keys,
+    motor_summary,
+    nearest_motor,
+    smallest_motor,
+)
 from ...model.check import Check, Suggestion
 from ...model.material import Mass, Material
 from ...model.motor import Motor, MotorDuty, effective_value
@@ -178,6 +187,7 @@ class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
         made, given = self.mechanism, self.given.follower
         self.given.of_follower(self.cam, given.mass if given else Mass(0.0))
         plates = follower_plates(self.cam, made.stock, made.base)
+        motor_keys(self.given.motor, made.stock.motor)
         if given is None and (made.stock.material is None or all(plate.name == "roller" for plate in plates)):
             remedy = "give mass_kg in loads.follower"
             if made.stock.material is None:
@@ -229,9 +239,7 @@ class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
     @cached_property
     def motor(self) -> Motor | None:
         """The given motor; without one the smallest that suffices, None if no motor can drive the cam."""
-        known = np.isfinite(self.forces.torque).any()
-        given = self.given.motor or self.mechanism.mounted_motor
-        return given or (smallest_motor(self.duty) if known else None)
+        return self.given.motor or self.mechanism.mounted_motor or smallest_motor(self.duty)
 
     @cached_property
     def peak_torque(self) -> tuple[float, float]:
@@ -304,10 +312,10 @@ class CamLoadsAspect(AbstractAspect[MadeCam, CamLoadsTable]):
             advice = "give a thicker sheet, a stronger material, a weaker spring or a larger base_radius"
             yield Check("contact_safety", name, safety, "at least", least, "", advice, "contact_pressure", at)
         peak, at = self.peak_torque
-        if self.motor is not None or np.isfinite(peak):
+        if motor := self.motor or nearest_motor(self.duty):
             position = at if np.isfinite(peak) else None
-            key = "stock.motor" if self.mechanism.stock.motor is not None else "loads.motor"
-            yield motor_check(self.motor or nearest_motor(self.duty), self.duty, "camshaft_torque", position, key)
+            keys = motor_keys(self.given.motor, self.mechanism.stock.motor)
+            yield motor_check(motor, self.duty, "camshaft_torque", position, keys)
 
     @property
     def contact_checks(self) -> Iterator[Check]:

@@ -297,7 +297,12 @@ class ForceAnalysis:
         without = ForceAnalysis(self.motion, self.loads.without_friction)
         with np.errstate(invalid="ignore"):
             locked: Mask = (without.power < 0) & ~(self.power < 0)
-        return locked | (np.isfinite(without.power) & np.isnan(self.power))
+        return locked | self.jammed
+
+    @property
+    def jammed(self) -> Mask:
+        """Where no force of the driver moves the linkage against its dry friction; all forces are nan there."""
+        return np.isfinite(self.wrenches.generalised) & np.isnan(self.driver)
 
     @cached_property
     def condition(self) -> Real:

@@ -345,7 +345,9 @@ class TorsionSpring(AbstractLoad):
 
     def apply(self, wrenches: Wrenches) -> None:
         motion = wrenches.motion
-        one, two = (known_body(motion.linkage, body, "springs.body") for body in (self.body, self.to_body))
+        one, two = (known_body(motion.linkage, getattr(self, key), f"springs.{key}") for key in ("body", "to_body"))
+        if one == two:
+            raise DesignError("springs.to_body", f"both ends are on {one}", "give another body", "conflict")
         free = np.exp(1j * np.radians(self.free_angle_deg))
         twist = np.angle(motion.bodies[one].direction * np.conj(motion.bodies[two].direction * free))
         known = np.isfinite(twist)

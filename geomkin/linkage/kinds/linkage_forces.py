@@ -12,9 +12,11 @@ from ...core.fields import to_digits, to_digits_or_none
 from ...core.records import record
 from ...core.units import mm
 from ...making.motors import LEAST_MOTOR_MARGIN, motor_summary
+from ...model.check import Check
 from ...model.material import Mass
 from ...model.motor import RPM, Motor, MotorDuty
-from ...plane.vec import Complex, Real, without_rounding
+from ...plane.vec import Complex, Mask, Real, without_rounding
+from ..checks import in_driver_unit
 from ..drive_limits import largest_between
 from ..dynamics.inverse import ForceAnalysis
 from ..dynamics.loads import Force
@@ -231,19 +233,47 @@ class AbstractLinkageForces(AbstractLinkageAspect[LoadsTable]):
         return force[rows], moment[rows]
 
     @cached_property
-    def dense(self) -> tuple[Motion, Real]:
-        """A motion in small steps over the range of the driver, and the effort with that of the copies in it."""
+    def dense_legs(self) -> list[tuple[ForceAnalysis, Copied | None]]:
+        """The forces of the linkage and of its copies in small steps over the range of the driver."""
         frames = self.mechanism.input_range.frames
         motion = self.mechanism.moved(np.linspace(frames[0], frames[-1], max(POSITIONS, len(frames))))
-        return motion, self.effort_in(motion, self.feet)
+        return self._legs(motion, self.feet)
+
+    @cached_property
+    def dense(self) -> tuple[Motion, Real]:
+        """The motion in these steps, and the effort with that of the copies in it."""
+        return self.dense_legs[0][0].motion, self._effort(self.dense_legs)
+
+    @property
+    def jammed(self) -> Mask:
+        """Where in these steps no effort of the driver moves the linkage or a copy against its dry friction."""
+        motion, effort = self.dense
+        return motion.assembled & np.isnan(effort) & self.given.has_dry_friction
+
+    @property
+    def movable_check(self) -> Check:
+        """Whether some force of the driver moves the linkage against its dry friction."""
+        motion, jammed = self.dense[0], self.jammed
+        share = 100 * float(np.mean(~jammed[motion.assembled])) if motion.assembled.any() else np.nan
+        at = in_driver_unit(motion, float(motion.drive[jammed.argmax()])) if jammed.any() else None
+        effort, unit = ("force", "mm") if self.linkage.driven_slider else ("torque", "deg")
+        keys = [f"loads.{key}" for key in ("pin_friction", "slide_friction") if getattr(self.given, key)]
+        advice = f"give a smaller coefficient, radius or length in {' and '.join(keys)}, or other lengths of the links"
+        if at is not None:
+            advice = f"at {mm(at, unit=unit):.5g} no {effort} of the driver overcomes the friction: {advice}"
+        name = "share of the driven range in which the driver overcomes dry friction"
+        return Check("share_movable", name, share, "at least", 100, "%", advice, f"driver_{effort}", at)
 
     @cached_property
     def peaks(self) -> Mapping[str, tuple[float, float]]:
         """Largest driver effort, that with the copies, and largest force at each pin, also between frames, by name.
 
-        Each with the driver there. The pins of a walker are those of the leg whose foot carries most.
+        Each with the driver there; nan if friction locks the linkage somewhere. The pins of a walker are those of the
+        leg whose foot carries most.
         """
         names = ("driver", EFFORT, *self.linkage.pins)
+        if self.jammed.any():
+            return dict.fromkeys(names, (np.nan, np.nan))
 
         def sizes(motion: Motion) -> Real:
             legs = self._legs(motion, self.feet)
@@ -255,7 +285,7 @@ class AbstractLinkageForces(AbstractLinkageAspect[LoadsTable]):
             return np.array([np.abs(legs[0][0].driver), np.abs(self._effort(legs)), *forces])
 
         if not self.feet:
-            found = largest_between(self.mechanism.motion, sizes)
+            found = largest_between(self.dense[0], sizes)
         else:
             # The forces at the feet are linear between positions of which each is one of these.
             motion = self.dense[0]

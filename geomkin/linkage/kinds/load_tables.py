@@ -238,9 +238,8 @@ class RunTable:
             raise DesignError("loads.run", "is given for a linkage with copies", "omit copies or run", "conflict")
         if self.torque_n_mm is None and (motor is None or motor.constant_torque):
             problem = "is missing" if motor is None else f"is missing, and the {motor.name} moves step by step"
-            raise DesignError(
-                "loads.run.torque_n_mm", problem, "give it, or a direct-current motor in loads.motor", "missing-key"
-            )
+            remedy = "give it, or a direct-current motor in loads.motor or stock.motor"
+            raise DesignError("loads.run.torque_n_mm", problem, remedy, "missing-key")
 
 
 @record(eq=False)

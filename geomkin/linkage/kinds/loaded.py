@@ -15,6 +15,7 @@ from ...core.units import marked, mm, rounded_down
 from ...making.attachments import ActuatorDuty
 from ...making.motors import (
     motor_check,
+    motor_keys,
     motor_summary,
     nearest_motor,
     power_summary,
@@ -60,6 +61,7 @@ class LoadsAspect(AbstractLinkageForces):
     def check(self) -> None:
         made, table = self.mechanism, self.given
         table.check(made.moved(made.input_range.frames[:1]))
+        motor_keys(table.motor, made.stock.motor)
         steady = is_whole_turn(made.input_range) and not made.input_range.acceleration
         if table.speed_fluctuation and not (steady and self.linkage.driver_pivot is not None):
             problem = "is given, but the driver makes no whole turn at a constant speed on a fixed shaft"
@@ -105,7 +107,7 @@ class LoadsAspect(AbstractLinkageForces):
             with_wheel = replace(self, mechanism=replace(self.mechanism, flywheel=partial(_same, wheel)))
             inertia = with_wheel.dense_duty.steadying_inertia / table.speed_fluctuation
             if not np.isfinite(inertia):
-                problem = "is given, but the torque is unknown at positions that the linkage does not reach"
+                problem = "is given, but the torque is unknown where the linkage is open or locked by friction"
                 raise DesignError("loads.flywheel_sheets", problem, "let the driver turn fully, or omit it", "conflict")
             wheel = flywheel_of(inertia, table.flywheel_sheets, stock.material, self.linkage, stock)
         return wheel
@@ -139,7 +141,7 @@ class LoadsAspect(AbstractLinkageForces):
     @cached_property
     def motor(self) -> Motor | None:
         """The given motor; without one the smallest that suffices, None if no motor can drive the linkage."""
-        turns = self.linkage.driver_pivot is not None and np.isfinite(self.effort).any()
+        turns = self.linkage.driver_pivot is not None
         return self.given_motor or (smallest_motor(self.duty) if turns else None)
 
     @cached_property
@@ -159,7 +161,7 @@ class LoadsAspect(AbstractLinkageForces):
     @property
     def remarks(self) -> Iterator[str]:
         yield from (motor.remark for motor in self.compared)
-        if self.linkage.driven_slider is not None and not self.given.actuator and np.isfinite(self.peaks[EFFORT][0]):
+        if self.linkage.driven_slider is not None and not self.given.actuator and np.isfinite(self.dense[1]).all():
             yield self.actuator_duty.remark
 
     @property
@@ -253,6 +255,8 @@ class LoadsAspect(AbstractLinkageForces):
     def checks(self) -> Iterator[Check]:
         """Checks of the motor, the counterweights and the run, and of pins and plates if the material is known."""
         stock = self.mechanism.stock
+        if self.given.has_dry_friction:
+            yield self.movable_check
         yield from self._motor_checks
         if self.given.actuator:
             yield from self.actuator_duty.checks(self.given.actuator)
@@ -274,19 +278,19 @@ class LoadsAspect(AbstractLinkageForces):
             yield self._fluctuation_check
         yield from self.run.checks if self.run else ()
         if stock.material:
-            leg = self._legs(self.mechanism.motion, self.feet)[self._most_loaded][0]
+            leg = self.dense_legs[self._most_loaded][0]
             yield from linkage_strength_checks(leg, stock, self.mechanism.stack)
 
     @property
     def _motor_checks(self) -> Iterator[Check]:
         peak, drive = self.peaks[EFFORT]
-        if self.motor is None and (self.linkage.driver_pivot is None or np.isnan(peak)):
+        motor = self.motor or (nearest_motor(self.duty) if self.linkage.driver_pivot is not None else None)
+        if motor is None:
             return
         at = None if np.isnan(peak) else in_driver_unit(self.mechanism.motion, drive)
         column = "shaft_torque" if self.mechanism.copies else "driver_torque"
-        key = "stock.motor" if self.mechanism.stock.motor is not None else "loads.motor"
-        motor = self.motor or nearest_motor(self.duty)
-        check = motor_check(motor, self.duty, column, at, key)
+        keys = motor_keys(self.given.motor, self.mechanism.stock.motor)
+        check = motor_check(motor, self.duty, column, at, keys)
         if check.passed or not (rpm := self._slower_rpm(motor)):
             yield check
         else:

@@ -239,7 +239,8 @@ class StandingAspect(AbstractLinkageAspect[str]):
     @cached_property
     def stance(self) -> Stance | None:
         """How it stands over a turn; None if the distances of the copies are unknown, or if a machine walks on it."""
-        return None if self._is_leg else stance_of(self.mechanism)
+        made, frames = self.mechanism, self.mechanism.input_range.frames
+        return None if self._is_leg else stance_of(made, made.moved(np.linspace(frames[0], frames[-1], POSITIONS)))
 
     @property
     def _is_leg(self) -> bool:
@@ -267,13 +268,13 @@ class StandingAspect(AbstractLinkageAspect[str]):
         return {"stance": self.stance.summary} if self.stance else {}
 
 
-def stance_of(made: MadeLinkage, motion: Motion | None = None, motor: Motor | None = None) -> Stance | None:
+def stance_of(made: MadeLinkage, first: Motion, motor: Motor | None = None) -> Stance | None:
     """How a walker stands over a turn; None if the distances of its copies are unknown.
 
-    motion: of the first linkage, by default at the frames of the table. motor: that it carries, by default the mounted
-    one, at its shaft and at the outer face of the first ground.
+    first: motion of the first linkage. motor: that it carries, by default the mounted one, at its shaft and at the
+    outer face of the first ground.
     """
-    foot, first, motor = made.foot, motion or made.motion, motor or made.mounted_motor
+    foot, motor = made.foot, motor or made.mounted_motor
     if foot is None or not np.isfinite((standing := standing_of(made, first, foot)).height):
         return None
     motors = []

@@ -223,7 +223,8 @@ def linkage_strength_checks(
     -------
     tuple of Check
         The mean shear stress of the pins, the pressure of the pins in their holes, and the nominal stress of the plates
-        that move, N/mm2, each where it is largest; without those whose limit or value is unknown.
+        that move, N/mm2, each where it is largest; nan where dry friction locks the linkage; without those whose
+        limit or value is unknown otherwise.
 
     Raises
     ------
@@ -302,6 +303,11 @@ def _check(
         named = values(replace(analysis, motion=moved))
         return np.array([np.broadcast_to(value, moved.drive.shape) for _, value in named])
 
+    limit = to_digits(most, 6)
+    if analysis.jammed.any():
+        first = in_driver_unit(motion, float(motion.drive[np.argmax(analysis.jammed)]))
+        locked = "no force is known where dry friction locks the linkage: give less friction or other lengths"
+        return Check(id, f"{what} {names[0]}", np.nan, "at most", limit, "N/mm2", locked, at=first)
     largest, drive = largest_between(motion, lambda moved: np.fmax.reduce(sizes(moved)))
     if np.isnan(largest):
         return None
@@ -311,5 +317,4 @@ def _check(
         advice = "a unit is probably wrong: forces are in N, lengths in mm, masses in kg"
     # A value that is the same at all frames has no worst one.
     at = in_driver_unit(motion, float(drive)) if np.ptp(sizes(motion)[worst]) else None
-    value, limit = float(largest), to_digits(most, 6)
-    return Check(id, f"{what} {names[worst]}", value, "at most", limit, "N/mm2", advice, at=at)
+    return Check(id, f"{what} {names[worst]}", float(largest), "at most", limit, "N/mm2", advice, at=at)
