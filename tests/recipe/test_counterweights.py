@@ -1,5 +1,9 @@
 """Round ends of bars in a recipe, by the conditions of force balance and by polygons of the outlines that are cut."""
 
+import dataclasses
+import tomllib
+from pathlib import Path
+
 import numpy as np
 import pytest
 from shapely.geometry import Polygon
@@ -91,3 +95,25 @@ def test_bad_counterweights_are_named_by_their_key():
         with pytest.raises(gk.RecipeError) as refused:
             four_bar(counterweights, **more)
         assert refused.value.problems[0].key == key
+
+
+@pytest.mark.parametrize("radius", [10, 40])
+def test_larger_round_ends_that_need_other_layers_shake_a_walker_no_more_than_none(radius):
+    """A crank alone cannot balance a leg: the advice names neither its distance nor its radius."""
+    table = tomllib.loads(Path("recipes/motor-walker.toml").read_text("utf-8"))
+    table["loads"]["counterweights"] = {"bodies": ["crank"], "distance": 20, "largest_radius": radius}
+    loads = gk.load(table | {"drive": {"step_deg": 30, "speed_rpm": 60}}).aspect("loads")
+    check = loads.balanced.check(loads.analysis)
+    assert not check.passed and check.value <= 1
+    assert "a larger" not in check.advice and "bodies" in check.advice
+
+
+def test_what_is_screwed_to_a_bar_counts_without_counterweights_too():
+    arm = {"name": "arm", "body": "rocker", "at": [30, 0], "mass_kg": 0.02, "bore": 3}
+    stock = {"bar_width": 12, "material": "steel-S235", "attachments": [arm]}
+    balanced = four_bar({}, stock=stock)
+    plain = dataclasses.replace(balanced, loads=dataclasses.replace(balanced.loads, counterweights=None))
+    assert balanced.table["shaking_force_without_counterweights"] == pytest.approx(
+        plain.table["shaking_force"], rel=1e-9
+    )
+    assert next(check for check in balanced.checks if check.id == "counterweights").value < 1e-9

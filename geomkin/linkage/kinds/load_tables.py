@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -13,12 +13,20 @@ from ...core.records import record
 from ...model.check import Check
 from ...model.material import Mass
 from ...model.motor import RPM, Motor
+from ...model.part import Part
 from ...model.scene import Plot
 from ...model.table import Column, vector_columns
 from ...plane.vec import Real
 from ...recipe.recipe import part_masses
 from ...recipe.settings import Stroke, Turn
-from ..dynamics.counterweights import BalanceMeasure, BalanceObjective, balance, fixed_pivots, size_of_objective
+from ..dynamics.counterweights import (
+    Balance,
+    BalanceMeasure,
+    BalanceObjective,
+    balance,
+    fixed_pivots,
+    size_of_objective,
+)
 from ..dynamics.forward import ForwardMotion, forward_dynamics
 from ..dynamics.inverse import ForceAnalysis
 from ..dynamics.loads import Loads
@@ -33,6 +41,10 @@ from .copies import is_whole_turn
 
 # Rounds in which counterweights and the screws of the stack that they change settle.
 ROUNDS = 3
+# Shares of `largest_radius` that are tried until the objective is not larger than without counterweights.
+SMALLER = 1.0, 0.5, 0.25
+# Mass of a counterweight in that of the whole linkage that stands for one of any size.
+HEAVY = 1e4
 # Largest ratio of the objective with counterweights to that without: with more, they are not worth their mass; chosen
 # here.
 LARGEST_RATIO = 0.7
@@ -68,6 +80,20 @@ class CounterweightsTable:
         "whether its root mean square over the motion becomes least, or its largest value", default="root_mean_square"
     )
 
+    def size(self, analysis: ForceAnalysis) -> float:
+        """The objective of forces, N or N mm."""
+        return size_of_objective(analysis, self.objective, self.measure)
+
+    def best(self, analysis: ForceAnalysis, max_mass: float) -> Balance:
+        """The counterweights of at most a mass, kg, that make the objective of forces least."""
+        try:
+            return balance(
+                analysis.motion, analysis.loads, self.bodies, self.objective, max_mass=max_mass,
+                max_radius=self.distance, measure=self.measure,
+            )  # fmt: skip
+        except DesignError as error:
+            raise error.named("loads.counterweights") from None
+
     def check(self, linkage: Linkage, stock: LinkStock, masses: Mapping[str, object]) -> None:
         """DesignError with the key of what the linkage cannot have."""
         try:
@@ -89,12 +115,14 @@ class CounterweightsTable:
 class BalancedPlates:
     """Plates with counterweights, and what they do to the forces of the linkage.
 
-    table: of the recipe. ends: round end of the plate of each body. before: forces without counterweights.
+    table: of the recipe. ends: round end of the plate of each body. before: forces without counterweights. share: of
+    `largest_radius` that is used.
     """
 
     table: CounterweightsTable
     ends: Mapping[str, RoundEnd]
     before: ForceAnalysis
+    share: float = 1.0
 
     @property
     def _objective(self) -> tuple[str, str, str]:
@@ -103,9 +131,6 @@ class BalancedPlates:
             return "deviation of the driver's force from its mean", "driver_force", "N"
         return OBJECTIVES[self.table.objective]
 
-    def _size(self, analysis: ForceAnalysis) -> float:
-        return size_of_objective(analysis, self.table.objective, self.table.measure)
-
     @property
     def columns(self) -> Iterator[Column]:
         """The shaking force without counterweights."""
@@ -113,11 +138,25 @@ class BalancedPlates:
 
     def check(self, after: ForceAnalysis) -> Check:
         """Check that the counterweights reduce the objective; after: forces with them."""
-        ratio = self._size(after) / self._size(self.before)
+        ratio = self.table.size(after) / self.table.size(self.before)
         name, column, _ = self._objective
         words = f"{name} with counterweights to that without, {MEASURES[self.table.measure][0]}"
-        advice = "give a larger distance or largest_radius, or more bodies"
+        advice = "" if ratio <= LARGEST_RATIO else self._advice
         return Check("counterweights", words, ratio, "at most", LARGEST_RATIO, "", advice, column)
+
+    @property
+    def _advice(self) -> str:
+        """What makes the objective smaller, if larger round ends do not."""
+        table, bodies = self.table, " and ".join(self.table.bodies)
+        heavy = HEAVY * sum(float(mass.mass) for mass in self.before.loads.masses.values())
+        least = table.size(table.best(self.before, heavy).after) / table.size(self.before)
+        larger = "a larger distance or more bodies" if table.objective != "shaking_force" else "more bodies"
+        if least > LARGEST_RATIO:
+            return f"the ratio is at least {least:.3g} with any largest_radius on {bodies} alone: give {larger}"
+        if self.share < 1:
+            causes = "by their inertia, or by longer screws in other layers"
+            return f"round ends as large as allowed make it larger, {causes}: give more bodies"
+        return "give a larger distance or largest_radius, or more bodies"
 
     def summary(self, after: ForceAnalysis) -> Mapping[str, object]:
         """Sizes and masses of the round ends, and the objective without and with them."""
@@ -130,7 +169,7 @@ class BalancedPlates:
             for body, end in self.ends.items()
         }
         key = f"{self.table.objective}_{MEASURES[self.table.measure][1]}_{self._objective[2]}"
-        sizes = {"without": self._size(self.before), "with": self._size(after)}
+        sizes = {"without": self.table.size(self.before), "with": self.table.size(after)}
         return {"counterweights": ends, key: {name: to_digits(size) for name, size in sizes.items()}}
 
 
@@ -147,6 +186,26 @@ def stack_with_ends(
     return stack_assembly(motion, stock, with_flywheel(assembly, motion.linkage, stock, wheel) if wheel else assembly)
 
 
+def linkage_masses(parts: Iterable[Part], motion: Motion, stock: LinkStock, stack: Stack) -> dict[str, Mass]:
+    """Mass of each body with screws or rods of a stack, and with what is screwed to it; empty without a material."""
+    bodies = part_masses(parts)
+    if bodies:
+        for body, mass in fastener_masses(motion, stock, stack).items():
+            bodies[body] = bodies[body] + mass if body in bodies else mass
+        for plate in stack.plates.values():
+            for item, middle in plate.attached:
+                bodies[plate.body] += Mass(item.mass_kg, middle)
+    return bodies
+
+
+def _refuse_bodies_without_round_end(table: CounterweightsTable, stack: Stack) -> None:
+    round_ended = [body for body in table.bodies if body in stack.plates and not stack.plates[body].wheel]
+    if others := [body for body in table.bodies if body not in round_ended]:
+        problem = f"found {', '.join(others)}; bodies that are cut as a gear or a block get no round end"
+        remedy = f"give bodies = {shown(round_ended)}" if round_ended else "omit loads.counterweights"
+        raise DesignError("loads.counterweights.bodies", problem, remedy, "conflict")
+
+
 def balanced_plates(
     table: CounterweightsTable,
     forces_of: Callable[[Mapping[str, Mass]], ForceAnalysis],
@@ -155,46 +214,46 @@ def balanced_plates(
 ) -> BalancedPlates:
     """The plates that minimise the objective of the table.
 
-    The round ends have the first moments of the best point masses, at their distances.
+    The round ends have the first moments of the best point masses, at their distances. They are smaller than allowed,
+    or there are none, if in the layers of larger ones screws are so long that the objective grows.
 
     forces_of: forces for given masses of the bodies. fine_motion: in steps so small that no collision is missed.
     """
     assert stock.material is not None
-    stack = stack_with_ends(fine_motion, stock, {})
-    round_ended = [body for body in table.bodies if body in stack.plates and not stack.plates[body].wheel]
-    if others := [body for body in table.bodies if body not in round_ended]:
-        problem = f"found {', '.join(others)}; bodies that are cut as a gear or a block get no round end"
-        remedy = f"give bodies = {shown(round_ended)}" if round_ended else "omit loads.counterweights"
-        raise DesignError("loads.counterweights.bodies", problem, remedy, "conflict")
-    plates, plain = stack.plates, part_masses(link_parts(fine_motion, stock, stack))
+    material, plain_stack = stock.material, stack_with_ends(fine_motion, stock, {})
+    _refuse_bodies_without_round_end(table, plain_stack)
+    plain = link_parts(fine_motion, stock, plain_stack)
+    before = forces_of(linkage_masses(plain, fine_motion, stock, plain_stack))
+    pivots = fixed_pivots(before.motion.linkage, table.bodies)
 
-    def bodies(screws: Mapping[str, Mass]) -> dict[str, Mass]:
-        """Masses without counterweights, with screws."""
-        return {body: plain.get(body, Mass(0.0)) + screws.get(body, Mass(0.0)) for body in {**plain, **screws}}
+    def fitted(max_mass: float) -> tuple[Mapping[str, RoundEnd], Stack]:
+        """The round ends with which the screws of their stack settle, and this stack."""
+        ends, stack, screws = dict[str, RoundEnd](), plain_stack, fastener_masses(fine_motion, stock, plain_stack)
+        for _ in range(ROUNDS):
+            best = table.best(forces_of(linkage_masses(plain, fine_motion, stock, stack)), max_mass)
+            arms = {
+                body: complex(mass.centre - pivots[body]) for body, mass in best.counterweights.items() if mass.mass
+            }
+            ends = {
+                body: round_end(
+                    plain_stack.plates[body], stock, material, pivots[body],
+                    complex(best.counterweights[body].mass * arm), abs(arm),
+                )
+                for body, arm in arms.items()
+            }  # fmt: skip
+            stack = stack_with_ends(fine_motion, stock, ends)
+            earlier, screws = screws, fastener_masses(fine_motion, stock, stack)
+            if screws == earlier:
+                break
+        return ends, stack
 
-    screws = fastener_masses(fine_motion, stock, stack)
-    before = forces_of(bodies(screws))
-    pivots, ends = fixed_pivots(before.motion.linkage, table.bodies), dict[str, RoundEnd]()
-    max_mass = stock.material.density * 1e-9 * stock.thickness * np.pi * table.largest_radius**2
-    for _ in range(ROUNDS):
-        analysis = forces_of(bodies(screws))
-        try:
-            best = balance(
-                analysis.motion, analysis.loads, table.bodies, table.objective, max_mass=max_mass,
-                max_radius=table.distance, measure=table.measure,
-            ).counterweights  # fmt: skip
-        except DesignError as error:
-            raise error.named("loads.counterweights") from None
-        moments = {body: complex(mass.mass * (mass.centre - pivots[body])) for body, mass in best.items() if mass.mass}
-        radii = {body: float(np.abs(mass.centre - pivots[body])) for body, mass in best.items()}
-        ends = {
-            body: round_end(plates[body], stock, stock.material, pivots[body], moment, radii[body])
-            for body, moment in moments.items()
-        }
-        earlier, screws = screws, fastener_masses(fine_motion, stock, stack_with_ends(fine_motion, stock, ends))
-        if screws == earlier:
-            break
-    return BalancedPlates(table, ends, before)
+    max_mass = material.density * 1e-9 * stock.thickness * np.pi * table.largest_radius**2
+    for smaller in SMALLER:
+        ends, stack = fitted(smaller**2 * max_mass)
+        after = forces_of(linkage_masses(link_parts(fine_motion, stock, stack), fine_motion, stock, stack))
+        if table.size(after) <= table.size(before):
+            return BalancedPlates(table, ends, before, smaller)
+    return BalancedPlates(table, {}, before, 0.0)
 
 
 # Frames of a turn between which inertia and loads are interpolated.

@@ -273,7 +273,7 @@ class LoadsAspect(AbstractLinkageForces):
         if not self.feet and self.mechanism.setting.feet is None:
             yield from weight_checks(self.mechanism, self.given)
         if self.balanced:
-            yield self.balanced.check(self.analysis)
+            yield self.balanced.check(self._analysis(self.mechanism.motion, ()))
         if self.flywheel:
             yield self._fluctuation_check
         yield from self.run.checks if self.run else ()
@@ -348,7 +348,7 @@ class LoadsAspect(AbstractLinkageForces):
         if self.compared:
             result["motors"] = [motor.summary for motor in self.compared]
         if self.balanced:
-            result |= self.balanced.summary(analysis)
+            result |= self.balanced.summary(self._analysis(self.mechanism.motion, ()))
         if self.run:
             result["run"] = self.run.summary
         return {**result, "undetermined": list(analysis.undetermined)}

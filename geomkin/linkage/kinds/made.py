@@ -20,7 +20,6 @@ from ...model.part import Bought, Part
 from ...model.table import Table
 from ...plane.vec import Real, Whole
 from ...recipe.aspect import Setting
-from ...recipe.recipe import part_masses
 from ...recipe.settings import Stroke, Turn
 from ..drive_limits import driver_limits
 from ..instant.polygons import component_columns, number_of_components
@@ -29,7 +28,7 @@ from ..measures import Ends, strokes, swings
 from ..motion import Motion, motion_table
 from ..moving import move
 from ..parts.rotating_masses import Flywheel, RoundEnd
-from ..parts.stack import Stack, fastener_masses, link_parts
+from ..parts.stack import Stack, link_parts
 from ..parts.stock import LinkStock
 from ..solve.branch import BranchSpec, as_branch_spec
 from .copies import (
@@ -46,7 +45,7 @@ from .copies import (
     with_frame,
     without_motor,
 )
-from .load_tables import stack_with_ends
+from .load_tables import linkage_masses, stack_with_ends
 from .loads import CarriedMass
 
 # Largest number of dyads of a linkage whose other assembly mode is shown.
@@ -260,14 +259,7 @@ class MadeLinkage(DrivenLinkage):
     @cached_property
     def masses(self) -> Mapping[str, Mass]:
         """Mass of each body, with its screws or rods, of one linkage; empty without a material."""
-        bodies = part_masses(self.own_parts)
-        if bodies:
-            for body, mass in fastener_masses(self.fine_motion, self.stock, self.stack).items():
-                bodies[body] = bodies[body] + mass if body in bodies else mass
-            for plate in self.stack.plates.values():
-                for item, middle in plate.attached:
-                    bodies[plate.body] += Mass(item.mass_kg, middle)
-        return bodies
+        return linkage_masses(self.own_parts, self.fine_motion, self.stock, self.stack)
 
     @property
     def bought(self) -> tuple[Bought, ...]:
