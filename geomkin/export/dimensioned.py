@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from textwrap import wrap
 
 import numpy as np
 
@@ -17,7 +16,6 @@ from ..plane.primitives import Arc, Circle, Polyline, Segment
 from ..plane.vec import Complex
 from .cut import Cut, Loop
 from .dimensions import (
-    AWAY,
     CENTRE,
     DIM,
     LETTER,
@@ -38,8 +36,6 @@ from .text import Text, width_of
 
 # Size of the largest engraved line that is a letter's, mm on the part.
 LARGEST_LETTER = 6.0
-# Least number of letters in a line below a part.
-FEWEST = 32
 # Layers with their colour index and RGB.
 COLOURS = {
     PART: (7, (0, 0, 0)),
@@ -122,7 +118,7 @@ def scale_text(scale: float) -> str:
 def dimensioned_drawing(job: Job) -> DimensionedDrawing:
     """All parts with dimensions and tables in a frame with a title block, on the smallest paper with room for them."""
     scale = drawing_scale(job.exact)
-    cells = [_cell(job, exact, solid, scale) for exact, solid in zip(job.exact, job.solids)]
+    cells = [cell for exact, solid in zip(job.exact, job.solids) for cell in _cells(job, exact, solid, scale)]
     boxes = [cell.box for cell in cells]
     sizes = [high - low for low, high in boxes]
     title = _title(job, scale)
@@ -214,8 +210,8 @@ def _title(job: Job, scale: float) -> DrawingCanvas:
     return cell
 
 
-def _cell(job: Job, exact: Cut, solid: Cut, scale: float) -> DrawingCanvas:
-    """A part with its views, dimensions and tables."""
+def _cells(job: Job, exact: Cut, solid: Cut, scale: float) -> Iterator[DrawingCanvas]:
+    """A part with its views and dimensions, then its tables."""
     part, canvas = exact.part, DrawingCanvas(job.unit)
     curves = (part.outline, *part.holes)
     data = gear_data(job, part)
@@ -257,18 +253,11 @@ def _cell(job: Job, exact: Cut, solid: Cut, scale: float) -> DrawingCanvas:
             table, sentence = profile_table(job, part, curve, datum, data.teeth if data else 1)
             tables.append(table)
             notes.append(sentence)
-    low, high = canvas.box
-    left = high.real + AWAY
-    for table in tables:
-        left = draw_table(canvas, table, complex(left, high.imag))
-    low, high = canvas.box
     teeth = rack.lines(datum, job.unit) if rack else ()
-    # Sentences are no wider than the rest.
-    letters = max(FEWEST, int((high - low).real / width_of("x", LETTER)))
-    lines = [*_facts(job, exact), *teeth, *features.patterns, *notes]
-    for number, line in enumerate(line for sentence in lines for line in wrap(sentence, letters)):
-        canvas.words(line, complex(low.real, low.imag - 2 * LETTER - number * LINE))
-    return canvas
+    canvas.write_below([*_facts(job, exact), *teeth, *features.patterns, *notes])
+    yield canvas
+    for table in tables:
+        yield from draw_table(job.unit, harmless(part.name), table)
 
 
 def _leaders(canvas: DrawingCanvas, features: _Features, scale: float) -> Iterator[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from textwrap import wrap
 from typing import Any, Literal
 
 import numpy as np
@@ -20,6 +21,8 @@ from .text import Text, width_of
 PART, MARK, CENTRE, DIM, WORDS = "PART", "ENGRAVE", "CENTRE", "DIM", "TEXT"
 # Heights on paper, mm, of letters, and from line to line, legible on a workbench.
 LETTER, LINE = 3.0, 5.0
+# Least number of letters in a line below a part.
+FEWEST = 32
 # Distance of a dimension line from the part, length of extension lines beyond it, and half a tick, mm on paper.
 AWAY, BEYOND, TICK = 8.0, 1.2, 1.2
 # Length of a centre line beyond its circle, mm on paper, and gap between a feature and its extension line.
@@ -116,9 +119,13 @@ class DrawingCanvas:
     @property
     def box(self) -> tuple[complex, complex]:
         """Lower left and upper right corner of everything, mm."""
+        return box_of(self._item_boxes)
+
+    @property
+    def _item_boxes(self) -> Complex:
         lines = (line for dimension in self.dimensions for line in dimension.lines)
         shapes = [*(shape for _, shape in self.shapes), *lines]
-        return box_of(np.array([*map(shape_box, shapes), *(text.box for text in self.all_texts)]))
+        return np.array([*map(shape_box, shapes), *(text.box for text in self.all_texts)])
 
     def add(self, layer: str, shape: Circle | Polyline) -> None:
         self.shapes.append((layer, shape))
@@ -130,6 +137,17 @@ class DrawingCanvas:
     def words(self, words: str, left: complex, height: float = LETTER) -> None:
         """A text by its left end at half of its height."""
         self.texts.append(Text(WORDS, words, left, height, starts=True))
+
+    def write_below(self, sentences: Sequence[str]) -> None:
+        """Sentences at the left end, no wider than the rest, below everything that is above them."""
+        boxes = self._item_boxes
+        low, high = self.box
+        letters = max(FEWEST, int((high - low).real / width_of("x", LETTER)))
+        lines = [line for sentence in sentences for line in wrap(sentence, letters)]
+        right = low.real + LETTER + max(width_of(line, LETTER) for line in lines)
+        top = boxes[boxes[:, 0].real < right, 0].imag.min() - 2 * LETTER
+        for number, line in enumerate(lines):
+            self.words(line, complex(low.real, top - number * LINE))
 
     def take(self, other: DrawingCanvas, shift: complex) -> None:
         """Add all of another canvas, moved."""

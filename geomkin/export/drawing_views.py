@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -276,8 +277,8 @@ ALONG = 9
 ASIDE = 1e-5
 # Distance of a cam's profile from its base circle from which the circle is drawn, mm on paper.
 OFF = 0.5
-# Rows of a table in one column, and the distance of its frame from its words, mm on paper.
-ROWS, INSET = 36, 1.5
+# Most rows of a table in one frame, which fits on A4, and the distance of its lines from its words, mm on paper.
+ROWS, INSET = 30, 1.5
 
 
 def section_view(canvas: DrawingCanvas, exact: Cut, datum: complex, scale: float, pitch: float) -> None:
@@ -369,25 +370,24 @@ def base_circle(
     return {f"base R{length_text(radius, canvas.unit)}": [(datum, radius, middle)]}
 
 
-def draw_table(canvas: DrawingCanvas, rows: Sequence[Sequence[str]], corner: complex) -> float:
-    """Draw rows of a table below its heading from an upper left corner in frames, and return its right end, mm."""
-    heading, left = rows[0], corner.real
-    columns = -(-(len(rows) - 1) // ROWS)
-    length = -(-(len(rows) - 1) // columns)
-    for start in range(1, len(rows), length):
-        block = [heading, *rows[start : start + length]]
-        bottom = corner.imag - len(block) * LINE
+def draw_table(unit: LengthUnit, name: str, rows: Sequence[Sequence[str]]) -> Iterator[DrawingCanvas]:
+    """The rows of a table below its heading and the name of its part, in frames of equally many rows."""
+    heading = rows[0]
+    ends = np.linspace(1, len(rows), 1 - (1 - len(rows)) // ROWS).astype(int).tolist()
+    for start, end in pairwise(ends):
+        canvas, block = DrawingCanvas(unit), [heading, *rows[start:end]]
+        bottom = -len(block) * LINE
         widths = [max(width_of(row[k], LETTER) for row in block) + 2 * INSET for k in range(len(heading))]
-        lefts = left + np.cumsum([0.0, *widths])
+        lefts = np.cumsum([0.0, *widths])
+        canvas.words(name, complex(0, LINE / 2))
         for number, row in enumerate(block):
             for words, x in zip(row, lefts.tolist()):
-                canvas.words(words, complex(x + INSET, corner.imag - (number + 0.5) * LINE))
+                canvas.words(words, complex(x + INSET, -(number + 0.5) * LINE))
         for x in lefts.tolist():
-            canvas.line(complex(x, corner.imag), complex(x, bottom))
-        for y in (corner.imag, corner.imag - LINE, bottom):
-            canvas.line(complex(left, y), complex(lefts[-1], y))
-        left = float(lefts[-1]) + LETTER
-    return left
+            canvas.line(complex(x, 0), complex(x, bottom))
+        for y in (0, -LINE, bottom):
+            canvas.line(complex(0, y), complex(lefts[-1], y))
+        yield canvas
 
 
 def point_table(

@@ -91,9 +91,31 @@ def test_columns_of_a_table_are_equally_long():
     heads = [text for text in made.texts if text.text == "point"]
     rows = [
         sum(
-            t.text.isdigit() and abs(t.place.real - head.place.real) < 1e-6 and 0 < (head.place - t.place).imag < 300
+            t.text.isdigit() and abs(t.place.real - head.place.real) < 1e-6 and 0 < (head.place - t.place).imag < 155
             for t in made.texts
         )
         for head in heads
     ]
-    assert len(rows) >= 4 and max(rows) - min(rows) <= 4
+    assert len(rows) >= 4 and max(rows) - min(rows) <= 1 and max(rows) <= 30
+
+
+def test_a_cam_with_two_hundred_points_is_on_a2_and_its_tables_name_it():
+    steps = [{"kind": "rise", "law": "cycloidal", "rise": 20, "end_deg": 90}, {"kind": "dwell", "end_deg": 180}]
+    steps += [{"kind": "return", "law": "cycloidal", "end_deg": 270}, {"kind": "dwell", "end_deg": 360}]
+    follower = {"kind": "translating-roller", "roller_radius": 8}
+    cam = {"base_radius": 30, "follower": follower, "program": steps}
+    stock = {"thickness": 8, "bore": 12, "fit": "H7/k6"}
+    made = drawing(gk.load({"kind": "disk-cam", "cam": cam, "stock": stock}))
+    heads = [text for text in made.texts if text.text == "point"]
+    assert made.width <= 594 and len(heads) > 5
+    assert sum(text.text == "cam" for text in made.texts) == len(heads)
+
+
+def test_sentences_are_as_high_as_there_is_room_at_the_left():
+    for left, low in ((0.0, -40.0), (90.0, 0.0)):
+        canvas = dimensions.DrawingCanvas()
+        canvas.line(0j, 100 + 0j)
+        canvas.line(complex(left, -40), 100 - 40j)
+        canvas.write_below(["short", "words"])
+        assert [text.place.real for text in canvas.texts] == [0, 0]
+        assert low - 10 < canvas.texts[0].place.imag < low - 3
