@@ -221,8 +221,8 @@ AT_REST_DEG, ALL_ROUND_DEG = 1e-6, 350.0
 WHOLE_TURN = 1e-9
 
 
-class Ends(NamedTuple):
-    """Ends of what moves there and back: least and largest direction, deg from +x, or place along a slide, mm.
+class Travel(NamedTuple):
+    """Travel of what moves there and back: least and largest direction, deg from +x, or place along a slide, mm.
 
     time_ratio: time of the slower of both strokes over that of the other while the driver turns fully at a constant
     speed; nan if it does not turn fully, or the follower turns back more often.
@@ -249,8 +249,8 @@ class Ends(NamedTuple):
         return {**ends, between: to_digits(self.between, 10), **ratio}
 
 
-def swings(motion: Motion) -> dict[str, Ends]:
-    """Ends of the direction, deg from +x, of each body that swings about a fixed pin, also between frames.
+def swings(motion: Motion) -> dict[str, Travel]:
+    """Travel of the direction, deg from +x, of each body that swings about a fixed pin, also between frames.
 
     Of the driver, of a body that turns fully, and of a linkage that does not close everywhere there is none.
     """
@@ -270,15 +270,17 @@ def swings(motion: Motion) -> dict[str, Ends]:
     return _ends(motion, swung, turned_from)
 
 
-def strokes(motion: Motion) -> dict[str, Ends]:
-    """Ends of the place, mm, of each slide on the ground besides that of the driver, also between frames."""
+def strokes(motion: Motion) -> dict[str, Travel]:
+    """Travel of the place, mm, of each slide on the ground besides that of the driver, also between frames."""
     linkage = motion.linkage
     slides = [s for s in linkage.sliders if s.along == linkage.ground and s.body != linkage.driver]
     places = {slide.name: motion.slide(slide.name).displacement for slide in slides}
     return _ends(motion, places, lambda moved, name, middle: moved.slide(name).displacement - middle)
 
 
-def _ends(motion: Motion, rows: Mapping[str, Real], moved_by: Callable[[Motion, str, float], Real]) -> dict[str, Ends]:
+def _ends(
+    motion: Motion, rows: Mapping[str, Real], moved_by: Callable[[Motion, str, float], Real]
+) -> dict[str, Travel]:
     """The ends of quantities with these values at the frames; moved_by: their differences from a middle."""
     if not rows or not motion.assembled.all():
         return {}
@@ -295,7 +297,7 @@ def _ends(motion: Motion, rows: Mapping[str, Real], moved_by: Callable[[Motion, 
     share = np.where(is_whole & (np.array(reversals) == 2), np.abs(high - low) / (2 * np.pi), np.nan)
     ratios = np.maximum(share, 1 - share) / np.minimum(share, 1 - share)
     return {
-        name: Ends(middle - float(b), middle + float(a), float(ratio))
+        name: Travel(middle - float(b), middle + float(a), float(ratio))
         for (name, middle), b, a, ratio in zip(middles.items(), below, above, ratios)
     }
 
@@ -357,7 +359,7 @@ class StraightPart:
     Parameters
     ----------
     start, end : complex
-        Ends of the part, projected onto the line, mm.
+        Travel of the part, projected onto the line, mm.
     deviation : float
         Largest distance of the path from the line, mm; no line has a smaller one. The path lies in a strip of twice
         this width. nan if the linkage is open in the part.

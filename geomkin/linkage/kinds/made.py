@@ -24,7 +24,7 @@ from ...recipe.settings import Stroke, Turn
 from ..drive_limits import driver_limits
 from ..instant.polygons import component_columns, number_of_components
 from ..linkage import AbstractLinkage
-from ..measures import Ends, strokes, swings
+from ..measures import Travel, strokes, swings
 from ..motion import Motion, motion_table
 from ..moving import move
 from ..parts.rotating_masses import Flywheel, RoundEnd
@@ -95,12 +95,12 @@ class DrivenLinkage:
         return self.moved(self.input_range.frames)
 
     @cached_property
-    def swings(self) -> Mapping[str, Ends]:
+    def swings(self) -> Mapping[str, Travel]:
         """Least and largest direction, deg, of each body that swings about a fixed pin."""
         return swings(self.motion)
 
     @cached_property
-    def strokes(self) -> Mapping[str, Ends]:
+    def strokes(self) -> Mapping[str, Travel]:
         """Least and largest place, mm, of each slide on the ground."""
         return strokes(self.motion)
 
