@@ -217,12 +217,14 @@ def _transmission_extremes(motion: Motion, *signs: Literal[1, -1]) -> tuple[list
 # deg. A body that moves through less is at rest, and one that moves through more may turn fully: its ends between
 # frames are not known.
 AT_REST_DEG, ALL_ROUND_DEG = 1e-6, 350.0
+# Share of its distance by which a slide that moves less is at rest.
+AT_REST = 1e-9
 # rad by which a whole turn of the driver may differ from one.
 WHOLE_TURN = 1e-9
 
 
 class Travel(NamedTuple):
-    """Travel of what moves there and back: least and largest direction, deg from +x, or place along a slide, mm.
+    """How far something moves there and back: least and largest direction, deg from +x, or place along a slide, mm.
 
     time_ratio: time of the slower of both strokes over that of the other while the driver turns fully at a constant
     speed; nan if it does not turn fully, or the follower turns back more often.
@@ -250,7 +252,7 @@ class Travel(NamedTuple):
 
 
 def swings(motion: Motion) -> dict[str, Travel]:
-    """Travel of the direction, deg from +x, of each body that swings about a fixed pin, also between frames.
+    """Directions, deg from +x, between which each body on a fixed pin swings, also between frames.
 
     Of the driver, of a body that turns fully, and of a linkage that does not close everywhere there is none.
     """
@@ -271,11 +273,12 @@ def swings(motion: Motion) -> dict[str, Travel]:
 
 
 def strokes(motion: Motion) -> dict[str, Travel]:
-    """Travel of the place, mm, of each slide on the ground besides that of the driver, also between frames."""
+    """Places, mm, between which each slide on the ground moves, besides that of the driver, also between frames."""
     linkage = motion.linkage
     slides = [s for s in linkage.sliders if s.along == linkage.ground and s.body != linkage.driver]
     places = {slide.name: motion.slide(slide.name).displacement for slide in slides}
-    return _ends(motion, places, lambda moved, name, middle: moved.slide(name).displacement - middle)
+    moving = {name: row for name, row in places.items() if np.ptp(row) > AT_REST * np.abs(row).max()}
+    return _ends(motion, moving, lambda moved, name, middle: moved.slide(name).displacement - middle)
 
 
 def _ends(
