@@ -11,6 +11,8 @@ const BESIDE = 6;
 const NEAR = 0.05;
 // Share of the drawing's width or height below which an edited mechanism is enlarged to fit again.
 const SMALL = 0.35;
+// Number of frames at which is counted whether the ground is covered.
+const COVERED = 12;
 const LAYERS = ["guides", "plates", "world", "trails", "above", "names", "scaleBar"];
 let drawings = 0;
 
@@ -250,7 +252,7 @@ export class Drawing {
     for (const body of this.bodies) {
       const points = body.drawn.flatMap(({ points }) => points);
       // A body without parts has its name next to its block.
-      const spots = points.length ? spotsOn(body, points).map(([u, v]) => on(body, u, v))
+      const spots = points.length ? this.spotsOn(body, points).map(([u, v]) => on(body, u, v))
         : !body.fixed && marks.some(({ sort }) => sort === "slide")
         && !marks.some(({ sort, label }) => sort === "line" && label === body.name)
         && [24, -20].map((down) => at(body, 0, 0, down));
@@ -262,7 +264,7 @@ export class Drawing {
       if (mark.u) {
         if (sort === "line" && lines.has(label)) continue;
         lines.add(label);
-        const on = sort === "vector" ? [] : [0.5, 0.3, 0.7].map((share) => at(mark, share, 0));
+        const on = sort === "vector" ? [] : [0.5, 0.3, 0.7, 0.4, 0.6].map((share) => at(mark, share, 0));
         const off = [1, 0.7, 0.4, 0.1].flatMap((share) => [at(mark, share, 1), at(mark, share, -1)]);
         this.named.add(text, `of-body ${role}`, role, [...on, ...off], mark.number);
       } else {
@@ -430,12 +432,27 @@ export class Drawing {
     }
     return best;
   }
+
+  // Places along a body, in its own frame: first those on its plate, and of the ground those that are covered least.
+  spotsOn(body, points) {
+    const { x, y, u, v } = axisOf(points), [plate] = platesOf(body);
+    const spots = [0, -0.28, 0.28, -0.5, 0.5, -0.72, 0.72, -0.93, 0.93].map((share) => [x + share * u, y + share * v]);
+    const off = (spot) => COVERED * !plate.isPointInFill(new DOMPoint(...spot));
+    const cost = new Map(spots.map((spot) => [spot, off(spot) + (body.fixed ? this.covered(body, spot) : 0)]));
+    return spots.sort((a, b) => cost.get(a) - cost.get(b));
+  }
+
+  // Number of frames, of some, at which bodies above a body cover a point of it.
+  covered(body, spot) {
+    const above = this.bodies.filter((other) => other !== body && other.layer >= body.layer);
+    return Array.from({ length: COVERED }, (_, look) => floor(look * this.frames / COVERED)).filter((k) => {
+      const [x, y] = this.place(body, ...spot, k);
+      return above.some((other) => {
+        const [u, v, c, s] = [x - other.x[k], y - other.y[k], other.cos[k], other.sin[k]];
+        return platesOf(other).some((plate) => plate.isPointInFill(new DOMPoint(c * u + s * v, c * v - s * u)));
+      });
+    }).length;
+  }
 }
 
-// Places along a body, in its own frame, those on its plate before those in its openings.
-function spotsOn(body, points) {
-  const { x, y, u, v } = axisOf(points), plate = body.group.querySelector(".plate");
-  const spots = [0, -0.28, 0.28, -0.5, 0.5, -0.72, 0.72, -0.93, 0.93].map((share) => [x + share * u, y + share * v]);
-  const off = new Map(spots.map((spot) => [spot, !plate.isPointInFill(new DOMPoint(...spot))]));
-  return spots.sort((a, b) => off.get(a) - off.get(b));
-}
+const platesOf = (body) => [...body.group.querySelectorAll(".plate")];
