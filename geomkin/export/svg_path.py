@@ -14,13 +14,9 @@ from ..plane.flatten import flatten
 from ..plane.primitives import Circle, Polyline
 from ..plane.vec import Complex, box_of, rounded
 
-# Height, as a share of the tolerance, below which an arc is written as its chord. With a smaller value pictures of
-# gears become twice as large; with 1 round outlines have corners.
-FLAT = 0.33
-
 
 def path(curves: Iterable[AbstractCurve], tolerance: float, digits: int) -> str:
-    """The curves, mm, y up, within about `tolerance`, with `digits` decimals; what is round is written in arcs."""
+    """The curves, mm, y up, within `tolerance`, with `digits` decimals; in arcs where they are shorter than steps."""
     return "".join(_curve(curve, tolerance, digits) for curve in curves)
 
 
@@ -31,7 +27,7 @@ def _curve(curve: AbstractCurve, tolerance: float, digits: int) -> str:
         case Polyline() if curve.bulges is None:
             return _steps(curve, tolerance, digits)
         case _:
-            return _arcs(curve, tolerance, digits)
+            return min(_arcs(curve, tolerance, digits), _steps(curve, tolerance, digits), key=len)
 
 
 def _arcs(curve: AbstractCurve, tolerance: float, digits: int) -> str:
@@ -42,7 +38,7 @@ def _arcs(curve: AbstractCurve, tolerance: float, digits: int) -> str:
     bulges = np.zeros(0) if chain.bulges is None else np.asarray(chain.bulges)
     text = f"M{_pair(points[0].item(), digits)}"
     for step, bulge in zip(rounded(np.diff(points), digits).tolist(), bulges.tolist()):
-        if abs(step * bulge) / 2 > FLAT * tolerance:
+        if bulge:
             radius = decimal(rounded(abs(step) * (1 + bulge**2) / (4 * abs(bulge)), digits).item(), digits)
             text += f"a{radius} {radius} 0 0 {int(bulge > 0)} {_pair(step, digits)}"
         else:
