@@ -156,7 +156,15 @@ def test_paths_equal_their_curves():
     assert bar == "M0 5a5 5 0 0 1 0-10l30 0a5 5 0 0 1 0 10l-30 0z"
     gear = gk.SpurGear(24, 2).outline
     points = np.cumsum(stepped(path([gear], 0.02, 3)))
-    assert 0.004 < gk.nearest(gear, points)[1].max() < 0.021
+    assert np.abs(points - gk.flatten(gear, 0.02)).max() < 1e-3
+
+
+def test_round_outlines_are_arcs():
+    cam = gk.load(RECIPES / "roller-cam.toml").parts[0].outline
+    text = path([cam], 0.02, 3)
+    points = np.cumsum(stepped(text))
+    assert gk.nearest(cam, points)[1].max() < 0.021
+    assert text.count("a") > 10 and "l" not in text and len(points) < len(gk.flatten(cam, 0.02)) / 2
 
 
 def test_mirrored_and_placed_copies_of_circles_are_circles():
@@ -167,7 +175,7 @@ def test_mirrored_and_placed_copies_of_circles_are_circles():
 
 @pytest.mark.parametrize("size", [1e-2, 1e3])
 def test_curves_are_as_fine_as_a_screen_shows_and_no_finer(size):
-    """A spline round about, in a scene as wide as it: its arcs lie off it by a five-thousandth of the size or less."""
+    """A spline round about, in a scene as wide as it: its chords lie off it by a five-thousandth of the size or less."""
     turn = np.linspace(0, 2 * np.pi, 9)
     corners = size * np.exp(1j * turn) * (1 + 0.2 * np.cos(3 * turn))
     corners[-1] = corners[0]
@@ -177,8 +185,9 @@ def test_curves_are_as_fine_as_a_screen_shows_and_no_finer(size):
     data = json.loads(scene_json(scene, "a"))
     text = data["paths"][data["scenes"][0]["curves"][0]["path"]]
     points = np.cumsum(stepped(text))
-    assert 4e-5 * abs(high - low) < gk.nearest(spline, points)[1].max() < 2.3e-4 * abs(high - low)
-    assert text.count("a") < len(gk.flatten(spline, 2e-4 * abs(high - low))) / 2
+    assert gk.nearest(spline, points)[1].max() < 8e-5 * size
+    off = gk.nearest(spline, (points[1:] + points[:-1]) / 2)[1].max()
+    assert 4e-5 * abs(high - low) < off < 2.3e-4 * abs(high - low)
 
 
 def test_a_long_table_is_thinned_and_keeps_its_ends():
