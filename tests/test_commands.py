@@ -20,6 +20,7 @@ from geomkin.recipe.search import (
     ALSO_KNOWN_AS,
     ENDINGS,
     FILLERS,
+    LIMIT,
     MOST_RECIPES,
     NOT_OFFERED,
     STEM,
@@ -258,6 +259,9 @@ def test_a_list_of_an_id_leads_to_its_explanation(command):
         ("list", "a wiper that sweeps 80 degrees", "boxed-wiper.toml", 1),
         ("examples", "something that dwells", "geneva.toml", 20),
         ("examples", "a cam with springs", "loaded-cam.toml", 8),
+        ("list", "intermittent motion", "ratchet", 4),
+        ("examples", "intermittent motion", "geneva.toml", 4),
+        ("examples", "a cam with a pressure angle below 30", "loaded-cam.toml", 4),
         ("list", "a windscreen wiper", "wiper.toml", 4),
         ("examples", "windscreen wiper", "wiper.toml", 4),
     ],
@@ -279,6 +283,7 @@ def test_the_pages_search_by_the_same_words():
     fillers, endings, stem, most = re.search(parts, script, re.DOTALL).groups()
     assert {*fillers.split()} == FILLERS and int(stem) == STEM and int(most) == MOST_RECIPES
     assert tuple(re.findall(r"\w+", endings)) == ENDINGS
+    assert re.search("LIMIT = /(.*)/g;", script).group(1) == LIMIT.pattern
 
 
 @pytest.mark.parametrize("words", [("new", "worm-gear"), ("list", "worm gear"), ("list", "hooke joint")])

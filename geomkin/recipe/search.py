@@ -33,7 +33,7 @@ ALSO_KNOWN_AS = {
     "lantern-gears": ("pin gear", "pin wheel", "cage gear"),
     "gear-train": ("gearbox", "gear box", "reducer", "reduction", "compound gear", "motion work", "clockwork"),
     "geneva": ("maltese", "indexer", "intermittent", "indexing"),
-    "ratchet": ("pawl", "freewheel", "one way clutch"),
+    "ratchet": ("pawl", "freewheel", "one way clutch", "intermittent"),
     "groove-cam": ("face cam", "track cam", "box cam", "desmodromic"),
     "disk-cam": ("plate cam", "camshaft", "snail cam", "eccentric", "follower"),
     "slider-crank": ("piston", "engine", "crankshaft"),
@@ -58,11 +58,13 @@ def other_names(*names: str) -> str:
 FILLERS = frozenset(
     re.findall(
         "[a-z]+",
-        "a an and are as at be by can for from have i in into is it its mechanism need of on one or some something "
-        "someone that the thing this to want which with",
+        "a an and are as at be by can for from have i in into is it its mechanism motion need of on one or some "
+        "something someone that the thing this to want which with",
     )
 )
 ENDINGS, STEM = ("ing", "ed", "es", "s"), 4
+# The limit of a value, which says nothing about a mechanism either.
+LIMIT = re.compile(r"\b(?:(?:less|more) than|at (?:least|most)|below|under|above|over) [0-9]\S*")
 # Largest number of recipes of the gallery that a message names, and of texts that half of a wish finds.
 MOST_RECIPES = 8
 
@@ -72,7 +74,7 @@ def wished(wish: str, texts: Mapping[str, str]) -> list[str]:
 
     Half of them is enough if a word is in the name, for a few.
     """
-    words = WORD.findall(wish.casefold())
+    words = WORD.findall(LIMIT.sub("", wish.casefold()))
     wanted = [_stem(word) for word in [word for word in words if word not in FILLERS] or words]
 
     def count(text: str) -> int:

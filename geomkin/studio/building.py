@@ -12,6 +12,7 @@ import tomlkit
 
 from ..core.errors import DesignError, GeomkinError, shown
 from ..core.fields import FARTHEST, to_digits
+from ..core.names import check_names
 from ..core.units import LengthUnit
 from ..linkage.kinds.linkage_kinds import LinkageRecipe
 from ..linkage.kinds.linkages import AbstractLinkageRecipe
@@ -270,6 +271,7 @@ def _renamed(draft: Draft, old: object, new: object) -> str:
         raise DesignError("build", problem, "give the name of one thing, and another name", "unknown-key")
     if new in structure.names:
         raise DesignError("build", f"{shown(new)} is the name of something else", "give another name", "conflict")
+    check_names("build", [new], f"a {of[0]}")
     draft = _as_bodies(draft, structure)
     changes: dict[str, Any] = {}
     if of[0] != "joint":

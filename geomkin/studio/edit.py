@@ -15,6 +15,7 @@ from tomlkit.exceptions import ParseError, TOMLKitError
 
 from ..build import errors_named_by_key
 from ..core.errors import DesignError, FileError, GeomkinError, Problem, RecipeError, harmless, shown
+from ..core.fields import FARTHEST
 from ..core.units import MM, UNITS
 from ..export.still import kept_frames
 from ..export.text import as_json
@@ -230,9 +231,11 @@ def with_length(draft: Draft, wanted: Mapping[str, Any], locks: Collection[str] 
     recipe, unit, length = draft.written, draft.unit, wanted.get("length")
     if not isinstance(recipe, AbstractLinkageRecipe):
         raise DesignError("length", "this is no linkage", "give the sizes in the form", "conflict")
-    if isinstance(length, int | float) and not isinstance(length, bool):
-        length = unit.in_mm(length / draft.scale, "mm")
-    sizes = resized(recipe.linkage, wanted, length, lambda key: is_locked(f"linkage.{key}", locks))
+    most = unit.in_digits(FARTHEST, "mm") * draft.scale
+    if isinstance(length, bool) or not isinstance(length, int | float) or not 0 < length < most:
+        raise DesignError("length", f"found {shown(length)}", f"give one above 0 and below {most:g}", "out-of-range")
+    in_mm = unit.in_mm(length / draft.scale, "mm")
+    sizes = resized(recipe.linkage, wanted, in_mm, lambda key: is_locked(f"linkage.{key}", locks))
     changes = {f"linkage.{key}": plain(unit.in_digits(size, "mm")) for key, size in sizes.items()}
     return edited_text(draft.text, draft.whole_lists(changes))
 

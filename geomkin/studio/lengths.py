@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.errors import DesignError, shown
 from ..core.field_visitor import Number, numbers_in, with_number
-from ..core.fields import FARTHEST, to_digits
+from ..core.fields import to_digits
 from ..linkage.linkage import AbstractLinkage, Linkage
 from ..linkage.scene import link_distances
 from ..plane.vec import Real
@@ -29,7 +29,7 @@ def dimensions(linkage: Linkage) -> list[dict[str, str]]:
 
 
 def resized(
-    linkage: AbstractLinkage, wanted: Mapping[str, Any], length: object, is_locked: Callable[[str], bool]
+    linkage: AbstractLinkage, wanted: Mapping[str, Any], length: float, is_locked: Callable[[str], bool]
 ) -> dict[str, float]:
     """Sizes of a linkage, by key, with which two joints of a body have a distance; the others stay.
 
@@ -47,11 +47,9 @@ def resized(
     Raises
     ------
     DesignError
-        If there is no such dimension, the length is none, or all its sizes are locked.
+        If there is no such dimension, or all its sizes are locked.
     """
     names = tuple(wanted.get(name) for name in ("body", "from", "to"))
-    if isinstance(length, bool) or not isinstance(length, int | float) or not 0 < length < FARTHEST:
-        raise DesignError("length", f"found {shown(length)}", "give a length above 0", "out-of-range")
     if _distance(linkage, names) is None:
         raise DesignError("length", f"found {shown(wanted)}", "give a dimension of the drawing", "unknown-key")
     free = _sizes_of(linkage, names, is_locked)

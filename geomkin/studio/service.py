@@ -10,6 +10,7 @@ from functools import cached_property, partial
 from http import HTTPStatus
 from io import BytesIO
 from itertools import takewhile
+from textwrap import shorten
 from threading import Event, Lock
 from typing import Any
 from urllib.parse import quote
@@ -236,7 +237,7 @@ class Studio:
             "name": name,
             "kind": kind,
             "joins": _joins(kind),
-            "title": " ".join(line.lstrip("# ") for line in comments)[:LONGEST_TITLE] or about,
+            "title": _title(" ".join(line.lstrip("# ") for line in comments)) or about,
             "words": f"{text[:LONGEST_SEARCHED]} {other_names(kind, name)}",
         }
 
@@ -252,9 +253,8 @@ class Studio:
             name = file.removesuffix(".toml")
             text = home.open(name).text
             if not home.files_of(text):
-                words = f"{text[:LONGEST_SEARCHED]} {other_names(kind, name)}"
-                about = about[:LONGEST_TITLE]
-                examples.append({"name": name, "kind": kind, "title": about, "words": words, "joins": _joins(kind)})
+                example = {"name": name, "kind": kind, "title": _title(about), "joins": _joins(kind)}
+                examples.append(example | {"words": f"{text[:LONGEST_SEARCHED]} {other_names(kind, name)}"})
         return examples
 
     def archive(self, folder: str) -> bytes:
@@ -341,6 +341,10 @@ def _with_source(body: Mapping[str, Any]) -> dict[str, Any]:
         return dict(body)
     name = _text(wanted, "example")
     return {**body, "join": {**wanted, "name": name, "source": Workspace(gallery()[0]).open(name).text}}
+
+
+def _title(about: str) -> str:
+    return shorten(about, LONGEST_TITLE, placeholder="…")
 
 
 def _joins(kind: str) -> bool:

@@ -1,11 +1,15 @@
 """What a newcomer does in the studio: clicks anywhere on a body, damaged links, other steps of the drive, messages."""
 
 import re
+import threading
 
 import numpy as np
 import pytest
 
 import geomkin as gk
+from geomkin.studio.server import StudioServer
+from geomkin.studio.service import Studio
+from geomkin.studio.workspace import Workspace
 
 from .test_by_mouse import on_stage
 from .test_editor import FOUR_BAR, PHONE, RECIPES, drag, fill, settle, studio, value  # noqa: F401  the fixture
@@ -60,8 +64,8 @@ def test_a_body_is_clicked_anywhere_on_its_plate(studio):  # noqa: F811
     assert "no body" not in status(page) and page.is_visible("#dirty")
 
 
-def _pins(page, body):
-    motion = gk.load(PLATED).motion
+def _pins(page, body, text=PLATED):
+    motion = gk.load(text).motion
     names = [*motion.linkage.bodies[body]]
     frame = int(page.get_attribute("#player", "data-frame"))
     frames = int(page.get_attribute("#player .drive input", "max")) + 1
@@ -420,3 +424,129 @@ def test_a_tool_that_is_chosen_early_stays_chosen(studio, late):  # noqa: F811
     settle(page)
     chosen = page.locator('#tools [aria-pressed="true"]').get_attribute("data-tool")
     assert chosen == ("path" if late == "answer" else "pivot")
+
+
+@pytest.mark.parametrize(("body", "drive"), [("coupler", ""), ("rocker", "[drive]\nstart_deg = 0\nend_deg = 90\n")])
+def test_a_motor_that_is_refused_leaves_the_driver(studio, body, drive):  # noqa: F811
+    page = studio(FOUR_BAR + drive, **DESK).page
+    tool(page, "motor")
+    (x, y), (u, v) = (on_stage(page, *place) for place in _pins(page, body, FOUR_BAR + drive)[:2])
+    page.mouse.click(0.5 * (x + u), 0.5 * (y + v))
+    page.wait_for_selector("#status:not(:empty)")
+    settle(page)
+    page.wait_for_timeout(100)
+    assert page.is_hidden("#dirty") and page.is_disabled("#undo") and not page.locator(".stale, dialog[open]").count()
+    assert body in status(page) or not drive
+
+
+def test_a_name_that_the_recipe_cannot_have_is_refused_in_its_dialog(studio):  # noqa: F811
+    page = studio(FOUR_BAR, **DESK).page
+    tool(page, "rename")
+    page.mouse.click(*on_stage(page, *_pins(page, "coupler")[0]))
+    field = page.locator("#rename-dialog input")
+    for name, is_refused in (("a.b", True), (" a", True), ("pin 1", False), ("Kurbel-größe_2", False)):
+        field.fill(name)
+        assert field.evaluate("input => input.validity.valid") != is_refused
+    field.fill("a/b")
+    page.keyboard.press("Enter")
+    assert page.is_visible("#rename-dialog") and page.is_hidden("#dirty")
+    field.fill("a b")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#dirty", state="visible")
+    assert not page.locator(".stale").count()
+
+
+def test_a_problem_that_the_form_does_not_show_is_on_the_drawing(studio):  # noqa: F811
+    page = studio(FOUR_BAR, viewport={"width": 1280, "height": 500}).page
+    fill(page, "linkage.crank", "-1")
+    assert page.is_visible(".field.wrong .problem") and not page.locator("#problems li").count()
+    page.evaluate("document.querySelector('aside').scrollTop = 1e6")
+    page.keyboard.press("Control+z")
+    settle(page)
+    page.keyboard.press("Control+Shift+z")
+    settle(page)
+    assert "crank" in page.inner_text("#problems li")
+    page.click("[data-panel=form]")
+    page.keyboard.press("Control+z")
+    settle(page)
+    assert not page.locator("#problems li").count()
+    page.keyboard.press("Control+Shift+z")
+    settle(page)
+    assert page.is_visible("#problems li")
+
+
+@pytest.mark.parametrize("is_file", [True, False])
+def test_what_is_set_while_the_studio_is_away_is_done_when_it_is_back(studio, is_file):  # noqa: F811
+    editor = studio(FOUR_BAR, **DESK)
+    editor.allowed.append("ERR_CONNECTION_REFUSED")
+    page, old = editor.page, editor.server
+    if not is_file:
+        page.evaluate("held => { location.hash = held; }", link_of(page, FOUR_BAR))
+        page.wait_for_selector('#name:has-text("new four-bar")')
+        settle(page)
+    old.shutdown()
+    old.server_close()
+    page.fill('[name="linkage.crank"]', "31")
+    page.fill('[name="linkage.rocker"]', "71")
+    page.dispatch_event('[name="linkage.rocker"]', "change")
+    page.wait_for_selector("#problems li")
+    if is_file:
+        page.keyboard.press("Control+s")
+        page.wait_for_selector('#status:has-text("Not saved")')
+        assert page.inner_text("#problems li").partition(";")[0] in status(page)
+    new = StudioServer(Studio(Workspace(editor.file.parent), "it"), old.server_port, token=old.token)
+    threading.Thread(target=new.serve_forever, args=(0.01,), daemon=True).start()
+    try:
+        page.wait_for_selector("body:not(.stale)", timeout=4000)
+        settle(page)
+        assert not page.locator("#problems li").count()
+        assert [value(page, f"linkage.{key}") for key in ("crank", "rocker")] == [31, 71]
+        if is_file:
+            page.keyboard.press("Control+s")
+            page.wait_for_selector("#dirty", state="hidden")
+            assert gk.load(editor.file).linkage.crank == 31 and gk.load(editor.file).linkage.rocker == 71
+    finally:
+        new.shutdown()
+        new.server_close()
+
+
+def test_a_draft_has_the_time_of_its_last_change(studio):  # noqa: F811
+    page = studio(FOUR_BAR, **DESK).page
+    fill(page, "linkage.crank", "31")
+    kept = "JSON.parse(localStorage.getItem('geomkin-drafts'))[0]"
+    opened, first = page.evaluate(f"[+{kept}.id, {kept}.changed]")
+    page.wait_for_timeout(50)
+    fill(page, "linkage.crank", "32")
+    second = page.evaluate(f"{kept}.changed")
+    assert opened <= first < second
+    # To look at it is no change.
+    page.click('#form button[aria-label="Lock linkage.crank"]')
+    settle(page)
+    assert page.evaluate(f"{kept}.changed") == second
+    page.evaluate(
+        f"localStorage.setItem('geomkin-drafts', JSON.stringify([Object.assign({kept}, {{ changed: 1e12 }})]))"
+    )
+    page.click("#gallery")
+    page.wait_for_selector("#drafts button")
+    assert page.evaluate("new Date(1e12).toLocaleString()") in page.inner_text("#drafts")
+
+
+@pytest.mark.parametrize("key", ["Enter", "Delete"])
+def test_a_linkage_is_built_by_keys_on_its_handles(studio, key):  # noqa: F811
+    page = studio("", **DESK).page
+    page.click("text=empty linkage")
+    settle(page)
+    for x, name in ((-50, "pivot"), (50, "pivot")):
+        tool(page, name)
+        page.mouse.click(*on_stage(page, x, 0))
+        settle(page)
+    handles = page.locator('[data-handle^="point:"]')
+    assert handles.count() == 2
+    tool(page, "bar" if key == "Enter" else "move")
+    for k in range(2):
+        handles.nth(k if key == "Enter" else 0).focus()
+        page.keyboard.press(key)
+        settle(page)
+    page.click('[data-view="text"]')
+    text = page.input_value("#text textarea")
+    assert ("crank" in text) == (key == "Enter") and handles.count() == (2 if key == "Enter" else 0)

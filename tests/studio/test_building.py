@@ -259,6 +259,8 @@ def test_inches_and_a_scale_are_those_of_the_text():
     {"do": "pivot", "on": [at(0, 0)], "frame": None},
     {"do": "rename", "old": "A", "new": ""},
     {"do": "rename", "old": None, "new": "B"},
+    {"do": "rename", "old": "A", "new": "a.b"},
+    {"do": "rename", "old": "bar_1", "new": "-a"},
     {"do": ["bar"], "on": "ab"},
 ])  # fmt: skip
 def test_an_impossible_edit_is_refused_and_changes_nothing(edit):

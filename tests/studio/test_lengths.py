@@ -62,3 +62,14 @@ def test_an_impossible_length_is_refused_and_changes_nothing(wanted, locks):
     text = (RECIPES / "crank-rocker.toml").read_text()
     reply = answer(text, {}, {"length": wanted or {"body": 1}, "locks": locks})
     assert reply["text"] == text and reply["limit"]["reason"]
+
+
+@pytest.mark.parametrize("head", ["", 'units = "in"\n', "scale = 2\n"])
+def test_a_length_that_is_too_large_is_refused_with_the_limit(head):
+    text = head + (RECIPES / "crank-rocker.toml").read_text()
+    reason = answer(text, {}, {"length": {**COUPLER, "length": 10**12}})["limit"]["reason"]
+    assert f"{10**12} " in reason.replace(";", " ")
+    limit = float(reason.rpartition("below ")[2])
+    for length, is_refused in ((1.001 * limit, True), (0.999 * limit, False)):
+        reply = answer(text, {}, {"length": {**COUPLER, "length": length}})
+        assert (reply["limit"] is not None and "below" in reply["limit"]["reason"]) == is_refused

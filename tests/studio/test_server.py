@@ -144,6 +144,14 @@ def test_the_page_that_leads_links_on_needs_and_holds_no_secret(running):
     assert len(running._times) == before
 
 
+def test_a_long_description_ends_with_a_word(tmp_path):
+    words = [f"word{k}" for k in range(99)]
+    (tmp_path / "long.toml").write_text(f"# {' '.join(words)}\n{FOUR_BAR}")
+    (listed,) = Studio(Workspace(tmp_path)).get("gallery", {})["recipes"]
+    title = listed["title"]
+    assert title[-1] == "…" and len(title) > 200 and title[:-1].split() == words[: len(title.split())]
+
+
 @pytest.mark.campaign
 def test_recipes_of_the_gallery_are_offered_and_run_in_any_folder(running):
     examples = json.loads(ask(running, "examples")[2])["examples"]

@@ -62,7 +62,7 @@ export async function showGallery(editor, what, said = "") {
   for (const draft of drafts) {
     const item = make(at("drafts"), "li"), name = draft.recipe || `new ${draft.title || draft.kind}`;
     const act = (label, does) => make(item, "button", { type: "button" }, label).addEventListener("click", does);
-    act(`${name}, ${new Date(+draft.id).toLocaleString()}`, async () => {
+    act(`${name}, ${new Date(draft.changed ?? +draft.id).toLocaleString()}`, async () => {
       dialog.close();
       const opened = draft.recipe ? await editor.latest(post("open", { recipe: draft.recipe })) : {};
       if (!opened) return;
@@ -116,7 +116,7 @@ function kept([key, most], change = (all) => all) {
   } catch { return []; }
 }
 
-// The drafts of a folder, the newest first: { id, folder, recipe, kind, text, base }.
+// The drafts of a folder, the newest first: { id, folder, recipe, kind, text, base, changed }; changed: the time, ms.
 export const draftsOf = (folder) => kept(DRAFTS).filter((draft) => draft.folder === folder);
 export const forget = (id) => kept(DRAFTS, (all) => all.filter((draft) => draft.id !== id));
 
@@ -124,7 +124,10 @@ export const forget = (id) => kept(DRAFTS, (all) => all.filter((draft) => draft.
 // it is opened.
 export function keep(draft, offered) {
   const isSame = ({ id, folder, recipe, text }) => id === draft.id || (folder === draft.folder && recipe === draft.recipe && (recipe !== "" || text === draft.text));
-  kept(DRAFTS, (all) => [draft, ...all.filter((other) => other.id === offered || !isSame(other))]);
+  kept(DRAFTS, (all) => {
+    const { changed = Date.now() } = all.find((other) => isSame(other) && other.text === draft.text) ?? {};
+    return [{ ...draft, changed }, ...all.filter((other) => other.id === offered || !isSame(other))];
+  });
 }
 
 // Remembers that a recipe of a folder was opened.

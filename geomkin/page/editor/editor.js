@@ -227,7 +227,7 @@ class Editor {
   askAnew() {
     clearTimeout(this.resting);
     this.pane.forget();
-    Object.assign(this, { waiting: [], texts: this.texts + 1, typing: "", dragged: null, pendingDrag: null, isUndoing: false, isUndone: false });
+    Object.assign(this, { waiting: [], texts: this.texts + 1, typing: "", dragged: null, pendingDrag: null, isUndoing: false, isUndone: false, unsent: null });
     this.ask({});
   }
 
@@ -244,6 +244,11 @@ class Editor {
     if (this.typing !== name) { this.close(); this.whenIdle(() => this.history.begin(this.text), name); }
     this.typing = name;
     this.ask({ set: changes }, undefined, name);
+  }
+
+  // Whether a value that was typed into a field waits for its turn.
+  isAwaited(name) {
+    return this.waiting.some(({ change }) => Object.keys(change?.set ?? {}).some((key) => key === name || name.startsWith(`${key}[`)));
   }
 
   // Takes a text that was typed, and calls done() when it is answered.
@@ -287,14 +292,21 @@ class Editor {
   }
 
   // Makes a change that may lead to another kind of recipe.
-  replaceBy(change, text) {
-    this.step(change, { from: text && (() => text), stream: text ? "#text" : change.draw && "#draw", done: () => this.makeRoom() });
+  replaceBy(change, text, said = "") {
+    const done = () => { this.makeRoom(); this.announce(said); };
+    this.step(change, { from: text && (() => text), stream: text ? "#text" : change.draw && "#draw", done });
   }
 
   showKnown(known) {
     at("known").hidden = !known.length;
-    showPictures(at("known"), known.map((linkage) => ({ ...linkage, name: linkage.label, act: () => this.replaceBy({}, linkage.text) })));
+    showPictures(at("known"), known.map((linkage) => ({ ...linkage, name: linkage.label, act: () => this.takeKnown(linkage) })));
     if (known.length) this.announce(`${known.length} known linkages are similar; the search begins`);
+  }
+
+  // Takes a known linkage in the place of the recipe that is open.
+  takeKnown({ label, text }) {
+    const saves = this.recipe && `; Save writes it to ${this.recipe}.toml`;
+    this.replaceBy({}, text, `The recipe is now this linkage, ${label}${saves}; Undo brings back the former one`);
   }
 
   // Sends what is typed still, and ends its step and that of presses on a handle.
@@ -446,7 +458,18 @@ class Editor {
       if (reply) await this.show(reply, change.set ?? {});
       else if (follower) follower.change = bothOf(change, follower.change);
       else this.announce("The search was stopped, and the recipe is as before");
-    } catch (error) { if (texts === this.texts) this.fail(error); }
+    } catch (error) {
+      if (texts !== this.texts) return;
+      if (error.status === 0) this.unsent = { ...asked, change: bothOf(this.unsent?.change ?? {}, change) };
+      this.fail(error);
+    }
+  }
+
+  // Asks again what the studio did not answer.
+  askAgain() {
+    const { change = {}, from } = this.unsent ?? {};
+    this.unsent = null;
+    this.step(change, { from });
   }
 
   // The next request, if it stops the search of another one: of the same stream, one more change of values, or another text.
@@ -481,8 +504,7 @@ class Editor {
     const { texts, before } = this, flaw = before ? this.flawOfLink(reply) : "";
     this.before = null;
     if (flaw) { await this.refuseLink(flaw, before); return; }
-    this.text = reply.text;
-    this.reply = reply;
+    Object.assign(this, { text: reply.text, reply, unsent: null });
     document.body.classList.toggle("unchecked", this.text !== this.checkedText);
     // A wrong text that is opened shows the values that it states; of one that is edited the form keeps what was typed.
     const values = Object.keys(reply.values).length ? reply.values : this.isJustLoaded ? reply.written : null;
@@ -667,17 +689,24 @@ class Editor {
   // Waits until all that was typed is answered; for ever if another recipe is loaded before that.
   async settled() {
     this.close();
+    if (this.isGone) this.askAgain();
     await new Promise((resolve) => { this.whenIdle(resolve); });
   }
 
   // Whether there are values that were refused.
   get isWrong() { return this.problems.length > 0 || document.querySelector("#form [aria-invalid]") !== null; }
 
+  // Whether the studio did not answer the last request.
+  get isGone() { return this.problems.some(({ id }) => id === "gone"); }
+
+  // What must be done before a recipe that is wrong is used.
+  get advice() { return this.isGone ? this.problems.map(({ problem, remedy }) => `${problem}; ${remedy}`).join() : "correct the marked values first, or undo"; }
+
   async save(wanted, mark) {
     await this.settled();
     const name = wanted ?? this.recipe, base = mark ?? this.base;
     if (!name) { await this.saveAs(); return; }
-    if (this.isWrong) { this.announce("Not saved: correct the marked values first, or undo"); return; }
+    if (this.isWrong) { this.announce(`Not saved: ${this.advice}`); return; }
     const { text, draft } = this;
     try {
       const saved = await post("save", { recipe: name, text, base });
@@ -740,10 +769,10 @@ class Editor {
     for (;;) {
       // seen: the last mark of the file. The base of unsaved changes stays, so that Save asks.
       const { recipe, seen } = this;
-      if (!recipe) { await new Promise((resolve) => { setTimeout(resolve, 500); }); continue; }
       try {
+        if (this.isGone) { await get("start"); this.askAgain(); }
+        if (!recipe) { await new Promise((resolve) => { setTimeout(resolve, 500); }); continue; }
         const { base: now } = await get("changed", { recipe, base: seen });
-        if (this.isGone) { this.isGone = false; this.ask({}); }
         if (recipe !== this.recipe || seen !== this.seen || now === seen) continue;
         this.seen = now;
         if (!now) { this.announce(`${recipe}.toml was deleted; Save writes it again`); this.savedText = ""; this.showState(); continue; }
@@ -751,7 +780,6 @@ class Editor {
         else { await this.loadFile(recipe); if (recipe === this.recipe) this.announce(`${recipe}.toml was changed by another program and is shown anew`); }
       } catch (error) {
         if (!error.problems) throw error;
-        this.isGone = error.status === 0;
         await new Promise((resolve) => { setTimeout(resolve, 1000); });
       }
     }
@@ -759,7 +787,7 @@ class Editor {
 
   async make() {
     await this.settled();
-    if (this.isWrong) { this.announce("No files made: correct the marked values first"); return; }
+    if (this.isWrong) { this.announce(`No files made: ${this.advice}`); return; }
     const { draft } = this;
     try {
       const { job } = await post("make", { text: this.text, recipe: this.suggested });

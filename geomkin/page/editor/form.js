@@ -11,7 +11,8 @@ const LONG = 9;
 let ids = 0;
 
 export class Form {
-  // editor has `locks`, a set of keys, `typing`, and the methods set(changes, name), close(), reset(key, field), relock().
+  // editor has `locks`, a set of keys, `typing`, and the methods set(changes, name), isAwaited(name), close(), reset(key, field),
+  // relock().
   constructor(root, editor) {
     Object.assign(this, { root, editor, groups: [], values: {}, saved: {}, fields: new Map(), problems: [] });
     root.addEventListener("input", (event) => this.input(event.target));
@@ -176,13 +177,13 @@ export class Form {
     return button;
   }
 
-  // Updates the inputs of a field, except for one in which the user is typing.
+  // Updates the inputs of a field, except for one in which the user is typing, or whose value is not answered yet.
   refresh(entry) {
     const { key, inputs, type } = entry, value = this.values[key], flat = Array.isArray(value) ? value.flat() : [value];
     inputs.forEach((input, k) => {
       const held = flat[k] ?? null;
       if (isNumeric(input)) input.dataset.step = type === "integer" ? 1 : stepOf(held);
-      if (input === document.activeElement && this.editor.typing === input.name) return;
+      if ((input === document.activeElement && this.editor.typing === input.name) || this.editor.isAwaited(input.name)) return;
       if (input.type === "checkbox") input.checked = held === true;
       else if (input.tagName === "SELECT") input.value = JSON.stringify(held);
       else if (!isNumeric(input) || held === null || valueOf(input) !== held || !input.value) {
@@ -233,7 +234,7 @@ export class Form {
     this.editor.set(changes, input.name);
   }
 
-  // Shows each problem at the field of its key, and returns the problems whose key has no field.
+  // Shows each problem at the field of its key, and returns the problems that are not seen there.
   showProblems(problems) {
     this.problems = problems;
     for (const place of this.root.querySelectorAll(".problem")) place.textContent = "";
@@ -252,7 +253,7 @@ export class Form {
       entry?.row.classList.add("wrong");
       if (entry) entry.undo.hidden = false;
       for (const input of entry?.inputs ?? []) if (key === entry.key || input.name === key) input.setAttribute("aria-invalid", "true");
-      return false;
+      return !isSeen(at, this.root.parentNode);
     });
   }
 }
@@ -326,6 +327,12 @@ function written(input, held) {
 const stepOf = (value) => (value ? niceLength(Math.abs(value) / 20) : 1);
 const isPair = (value) => value.length === 2 && value.every((item) => typeof item === "number");
 const typeOf = (value) => (Array.isArray(value) ? (isPair(value) ? "point" : "list") : { number: "number", boolean: "boolean" }[typeof value] ?? "text");
+// Whether an element is in view, inside a part of the page that is scrolled.
+function isSeen(element, scrolled) {
+  const [{ top, bottom }, around] = [element, scrolled].map((box) => box.getBoundingClientRect());
+  return element.checkVisibility() && bottom > Math.max(0, around.top) && top < Math.min(innerHeight, around.bottom);
+}
+
 // The key of the table around one.
 const around = (path) => path.slice(0, Math.max(0, path.lastIndexOf(".")));
 const shapeOf = (value) => (Array.isArray(value) ? value.map(shapeOf) : value === null ? null : 0);

@@ -212,6 +212,7 @@ export class Handles {
   key(element, event) {
     const { handle, surface } = element, direction = KEYS[event.key], [, pose] = handle.id.match(/^point:wanted\.poses\[(\d+)/) ?? [];
     if (event.key === "Delete" && pose && !handle.locked) { this.editor.tools.own.pose.remove(+pose); return; }
+    if (this.editor.tools.takeKey(handle, event.key)) { event.preventDefault(); return; }
     if (!direction || event.ctrlKey || event.altKey || event.metaKey) return;
     event.preventDefault();
     if (handle.locked) return;

@@ -54,6 +54,10 @@ const isInside = ([x, y], corners) => corners.reduce((inside, [u, v], k) => {
 
 // The key of the motor in the form.
 const MOTOR = "stock.motor";
+const NO_PIVOT = "This body turns on no fixed pivot; choose one that does";
+// A name of a body, point or slide, as the recipe has it.
+const NAME = /^[\p{L}\p{N}]([\p{L}\p{M}\p{N} _-]*[\p{L}\p{M}\p{N}_-])?$/u;
+const NAME_RULE = "Give letters, digits, spaces, _ and -, beginning with a letter or digit.";
 
 export class Tools {
   // editor: player, handles, build(edit), drawPath(points), known(points), announce(text).
@@ -357,22 +361,35 @@ export class Tools {
     else this.editor.build({ do: tool, on });
   }
 
+  // Takes a key on the handle of a point, and returns whether it means something: Enter is a click on the point, Delete removes it.
+  takeKey({ id }, key) {
+    const point = id.slice(6), isClick = key === "Enter" && this.isActive && TOOLS[this.tool].length > 2;
+    if (this.root.hidden || !Object.values(this.structure?.bodies ?? {}).flat().includes(point)) return false;
+    if (isClick) this.take({ at: this.drawing.plane(this.places.get(point)), point });
+    else if (key === "Delete") this.editor.build({ do: "delete", on: [{ at: [0, 0], point }] });
+    return isClick || key === "Delete";
+  }
+
   // Lets a body be driven, and asks for its motor, of the list of the form, by the pictures of their faces.
   // isDriven: whether it was asked for.
   chooseMotor(body, isDriven = false) {
-    const { editor, motors } = this, list = motors.querySelector(".faces");
-    if (body !== this.structure?.driver && !isDriven) {
+    const { editor, motors, structure } = this, list = motors.querySelector(".faces");
+    if (body !== structure?.driver && !isDriven) {
+      const { bodies, ground } = structure;
+      if (!bodies[body].some((point) => bodies[ground].includes(point))) { editor.announce(NO_PIVOT); return; }
       editor.build({ do: "driver", on: [{ at: [0, 0], body }] });
       editor.whenIdle(() => this.chooseMotor(body, true));
       return;
     }
-    if (body !== this.structure?.driver) {
-      const [{ problem, remedy } = {}] = editor.problems;
-      editor.announce(`No motor on ${body}: ${editor.reply.limit?.reason ?? [problem, remedy].filter(Boolean).join("; ")}`);
+    const [{ problem, remedy } = {}] = editor.problems, isRefused = isDriven && problem;
+    if (isRefused || body !== structure?.driver) {
+      const reason = editor.reply.limit?.reason ?? [problem, remedy].filter(Boolean).join("; ");
+      if (isRefused) editor.travel("undo");
+      editor.whenIdle(() => editor.announce(`No motor on ${body}: ${reason}`));
       return;
     }
     const field = editor.form.fields.get(MOTOR);
-    if (!field) { editor.announce("This body turns on no fixed pivot; choose one that does"); return; }
+    if (!field) { editor.announce(NO_PIVOT); return; }
     const take = (name) => { motors.close(); editor.set({ [MOTOR]: name }, MOTOR); editor.close(); };
     list.replaceChildren();
     for (const name of [null, ...field.choices]) {
@@ -387,6 +404,8 @@ export class Tools {
   rename(old) {
     const { dialog } = this, input = dialog.querySelector("input");
     input.value = old;
+    input.oninput = () => input.setCustomValidity(NAME.test(input.value) ? "" : NAME_RULE);
+    input.oninput();
     dialog.returnValue = "";
     dialog.addEventListener("close", () => {
       if (dialog.returnValue === "name" && input.value !== old) this.editor.build({ do: "rename", old, new: input.value });

@@ -1,8 +1,10 @@
 // Search by words among elements with `data-words`, such as the cards of a gallery.
 
 // Words of a wish that say nothing about a mechanism, and endings that are left out.
-const FILLERS = new Set("a an and are as at be by can for from have i in into is it its mechanism need of on one or some something someone that the thing this to want which with".split(" "));
+const FILLERS = new Set("a an and are as at be by can for from have i in into is it its mechanism motion need of on one or some something someone that the thing this to want which with".split(" "));
 const ENDINGS = ["ing", "ed", "es", "s"], STEM = 4;
+// The limit of a value, which says nothing about a mechanism either.
+const LIMIT = /\b(?:(?:less|more) than|at (?:least|most)|below|under|above|over) [0-9]\S*/g;
 // Most elements that half of a wish finds.
 const MOST = 8;
 
@@ -17,7 +19,7 @@ function stem(word) {
 // name, if these are few; hides the headings of lists without any; `lists`: what has a heading before it; `said`: the
 // element that states that no element has all words. The name is the first word of `data-words`.
 export function narrow(root, wish, lists, said) {
-  const cards = [...root.querySelectorAll("[data-words]")], all = wordsOf(wish), telling = all.filter((word) => !FILLERS.has(word));
+  const cards = [...root.querySelectorAll("[data-words]")], all = wordsOf(wish.toLowerCase().replace(LIMIT, "")), telling = all.filter((word) => !FILLERS.has(word));
   const wanted = (telling.length ? telling : all).map(stem);
   const count = (text) => {
     const known = wordsOf(text);
