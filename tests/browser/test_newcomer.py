@@ -316,22 +316,6 @@ def test_a_leg_of_the_gallery_is_joined_to_a_gear(studio):  # noqa: F811
     assert machine.mechanisms["klann"].turned_by == "it.first" and len(machine.recipes["klann"].linkage.bodies) == 6
 
 
-def test_a_value_of_the_legend_is_in_the_plot(studio):  # noqa: F811
-    """The last position of a gear pair begins another contact, whose curve has no other value."""
-    page = studio((RECIPES / "gear-pair.toml").read_text(), **DESK).page
-    page.locator("#player .drive input").press("End")
-    assert page.inner_text(".legend li:first-child b") not in ("", "–")
-    coloured = """() => {
-        const canvas = document.querySelector(".uplot canvas"), over = document.querySelector(".u-over"), dpr = devicePixelRatio;
-        const [x, y] = [(over.offsetLeft + over.offsetWidth) * dpr, over.offsetTop * dpr];
-        const { data } = canvas.getContext("2d").getImageData(x - 6, y, 10, over.offsetHeight * dpr);
-        let count = 0;
-        for (let k = 0; k < data.length; k += 4) count += data[k + 3] > 200 && data[k + 2] - data[k] > 80;
-        return count;
-    }"""
-    assert page.evaluate(coloured) > 4
-
-
 def test_nothing_is_cut_off_or_named_twice(studio):  # noqa: F811
     page = studio((RECIPES / "roller-cam.toml").read_text(), **DESK).page
     for k in range(page.locator(".handle.plot").count()):

@@ -107,15 +107,14 @@ class Editor {
     if (isShown) this.tools.setActive(); else this.tools.choose("move");
     if (!this.player) return;
     this.fold("plots", isShown);
-    this.makeRoom();
+    this.player.refit();
   }
 
-  // Shows the drawing with room around it while it is built, and with the picture under it.
-  makeRoom() {
-    const [drawing] = this.player.drawings, [left, low, right, high] = drawing.bounds, free = ROOM * Math.max(right - left, high - low);
-    const boxes = [...at("tools").hidden ? [] : [[left - free, low - free, right + free, high + free]], this.tools.own.photo.box].filter(Boolean);
-    drawing.room = boxes.length ? [0, 1, 2, 3].map((k) => Math[k < 2 ? "min" : "max"](...boxes.map((box) => box[k]))) : null;
-    this.player.fit(true);
+  // What the drawing shows besides the mechanism: room around it while it is built, the picture under it, and its handles.
+  room() {
+    // The sheet of an unfinished linkage has room enough, and stays.
+    const [left, low, right, high] = this.player.drawings[0].bounds, free = this.reply.unfinished ? 0 : ROOM * Math.max(right - left, high - low);
+    return [!at("tools").hidden && [left - free, low - free, right + free, high + free], this.tools.own.photo.box, this.handles.box].filter(Boolean);
   }
 
   // --- changes of the recipe's text ---------------------------------------------------------------------------------
@@ -152,12 +151,7 @@ class Editor {
     if (!await this.startNew("")) return;
     // A tool that is clicked before the drawing is there stays chosen.
     this.tools.choose("pivot");
-    this.whenIdle(() => {
-      this.showTools(true);
-      // The sheet has room enough.
-      this.player.drawings[0].room = this.player.drawings[0].bounds;
-      this.player.fit(true);
-    });
+    this.whenIdle(() => this.showTools(true));
   }
 
   // The answer to a request for another text; null if another one was requested since.
@@ -293,7 +287,7 @@ class Editor {
 
   // Makes a change that may lead to another kind of recipe.
   replaceBy(change, text, said = "") {
-    const done = () => { this.makeRoom(); this.announce(said); };
+    const done = () => { this.player.refit(); this.announce(said); };
     this.step(change, { from: text && (() => text), stream: text ? "#text" : change.draw && "#draw", done });
   }
 
@@ -374,7 +368,7 @@ class Editor {
     this.whenIdle(() => { if (this.problems.length) this.ask({}, () => dragged.text, dragged); }, dragged);
     this.whenIdle(() => {
       if (this.history.end(this.text)) this.announceChange(label);
-      if (!this.player.shownDrawings.every((drawing) => drawing.isFitting)) this.player.fit(true);
+      if (!this.player.shownDrawings.every((drawing) => drawing.isFitting)) this.player.refit();
       if (this.wasPlaying) this.player.play(true);
     }, dragged);
   }
@@ -547,13 +541,12 @@ class Editor {
       this.preview = new Preview(this.player, this.handles);
       this.tools.mount();
       this.dimensions = new Dimensions(this.player.drawings[0], this);
-    } else {
-      this.player.replace(scene);
-      if (this.isJustLoaded) { this.player.fit(true); this.player.zoom(0); }
-    }
+      this.player.drawings[0].roomNow = () => this.room();
+    } else this.player.replace(scene);
     if (copy) this.savedScene = read(copy);
     Object.assign(this, { tried: {}, drawnText: this.text });
     this.handles.load(handles);
+    if (this.isJustLoaded) this.player.zoom(0);
     this.preview.load(preview);
     // The pointer is already farther on.
     const { drag } = this.waiting.find(({ change }) => change?.drag)?.change ?? {}, handle = drag && handles.find(({ id }) => id === drag.handle);
@@ -660,7 +653,7 @@ class Editor {
   showCandidates(candidates) {
     at("candidates").hidden = candidates.length < 2;
     showPictures(at("candidates"), candidates.map(({ key, value, ...other }) => ({
-      ...other, name: other.label, isChosen: this.values[key] === value, act: () => { this.set({ [key]: value }, key); this.close(); },
+      ...other, name: other.label, isChosen: this.values[key] === value, act: () => this.step({ set: { [key]: value } }, { stream: key, done: () => this.player.refit() }),
     })));
   }
 

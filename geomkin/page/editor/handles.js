@@ -41,6 +41,7 @@ export class Handles {
       element.root.remove();
       this.elements.delete(id);
     }
+    this.box = boxOf(handles);
     this.show(this.player.frame);
   }
 
@@ -59,6 +60,7 @@ export class Handles {
   }
 
   show(frame) {
+    const { named } = this.player.drawings[0], isBuilding = document.body.classList.contains("building"), taken = [];
     for (const handle of this.list) {
       const surface = handle.shape === "plot" ? this.plotSurface(handle.plot) : this.onDrawing;
       const element = this.elements.get(handle.id) ?? (surface && this.add(handle, surface));
@@ -72,13 +74,21 @@ export class Handles {
       element.root.setAttribute("transform", `translate(${px(x)} ${px(y)})`);
       element.root.classList.toggle("named", this.doubled.has(handle.label) && !this.player.drawings[0].hidden.has("names"));
       // Its label is not cut at the top or the right.
-      const isFar = x > 0.7 * surface.width;
-      Object.entries({ x: isFar ? -12 : 12, y: y < 24 ? 22 : -10, "text-anchor": isFar ? "end" : "start" }).forEach(([name, at]) => element.tip.setAttribute(name, at));
+      const isFar = x > 0.7 * surface.width, side = isFar ? -12 : 12, down = y < 24 ? 22 : -10;
+      Object.entries({ x: side, y: down, "text-anchor": isFar ? "end" : "start" }).forEach(([name, at]) => element.tip.setAttribute(name, at));
+      if (isBuilding && /^point:(?!.*wanted\.)/.test(handle.id)) {
+        // All these labels are shown, but none on an earlier one; names of bodies make way.
+        const half = (element.half ||= element.tip.getBBox().width / 2), label = [x + side + Math.sign(side) * half, y + down - 4, half];
+        const isOver = taken.some((other) => named.overlap(label, other));
+        element.root.classList.toggle("crowded", isOver);
+        if (!isOver) taken.push(label);
+      }
       const r = handle.shape === "circle" ? handle.radius / surface.pixel : 0;
       for (const rim of element.rims) rim.setAttribute("r", px(r));
       this.drawArrow(element);
       this.drawLeash(element, frame, [x, y]);
     }
+    for (const name of named.shown ?? []) if (taken.some((label) => named.overlap(label, name))) see(name[3], false);
   }
 
   // Draws the line from a handle to what it moves, or removes it.
@@ -153,13 +163,14 @@ export class Handles {
     });
   }
 
-  describe({ root, handle }) {
-    const { id, keys, label, locked } = handle, text = `${label}: ${keys.join(", ")}${locked ? " (locked)" : ""}`;
+  describe(element) {
+    const { root, handle } = element, { id, keys, label, locked } = handle, text = `${label}: ${keys.join(", ")}${locked ? " (locked)" : ""}`;
     if (root.dataset.handle === id && root.getAttribute("aria-label") === text) return;
     Object.assign(root.dataset, { handle: id, keys: keys.join("|") });
     root.setAttribute("aria-label", text);
     root.setAttribute("aria-disabled", locked);
     root.querySelector(".tip").textContent = label;
+    element.half = 0;
     root.querySelector("title").textContent = `${text}. Drag it, or use the arrow keys; Shift snaps.`;
   }
 
@@ -227,3 +238,10 @@ export class Handles {
 }
 
 const placeOf = ({ at }, frame) => at.map((row) => (Array.isArray(row) ? row[frame] : row));
+
+// Left, lower, right and upper end, mm, of points that are dragged on the drawing, over all frames; null if there are none.
+function boxOf(handles) {
+  const points = handles.filter(({ shape }) => shape === "point");
+  const [x, y] = [0, 1].map((axis) => points.flatMap(({ at }) => at[axis]).filter((value) => value !== null));
+  return x.length ? [Math.min(...x), Math.min(...y), Math.max(...x), Math.max(...y)] : null;
+}

@@ -57,7 +57,7 @@ export class Photo {
     URL.revokeObjectURL(this.image.getAttribute("href"));
     this.image.removeAttribute("href");
     Object.assign(this, { canvas: null, line: null });
-    this.tools.editor.makeRoom();
+    this.tools.editor.player.refit();
     this.update();
   }
 
@@ -169,7 +169,7 @@ export class Photo {
       if (length > 0) this.scale(length * mm / drawn, middle);
       this.update();
       editor.announce(length > 0 ? `The picture is scaled: this line is ${+length.toPrecision(6)} ${unit} long` : "");
-      editor.makeRoom();
+      editor.player.refit();
     });
   }
 

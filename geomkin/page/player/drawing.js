@@ -19,7 +19,7 @@ let drawings = 0;
 export class Drawing {
   // An empty drawing that fills `stage`; `hidden`: roles that it does not show. Its `overlays` have a method show(frame).
   constructor(stage, hidden = []) {
-    Object.assign(this, { by: 1, hidden: new Set(hidden), overlays: [], id: `hatch${drawings++}` });
+    Object.assign(this, { by: 1, hidden: new Set(hidden), overlays: [], room: [], id: `hatch${drawings++}` });
     this.svg = make(stage, "svg", { class: "drawing", tabindex: 0, role: "application", "aria-roledescription": "drawing" });
     this.pattern = make(make(this.svg, "defs"), "pattern", { id: this.id, patternUnits: "userSpaceOnUse", width: 6, height: 6 });
     make(this.pattern, "path", { d: "M0 0V6", class: "hatch" });
@@ -54,6 +54,8 @@ export class Drawing {
     for (const mark of this.marks) {
       if (mark.trail) mark.line = make(this.trails, "path", { d: this.trailOf(mark), class: `trail ${mark.role}`, "data-role": mark.role });
     }
+    // Points that are this near to each other, mm, are the same.
+    this.near = 1e-3 * (this.bounds[2] - this.bounds[0] + this.bounds[3] - this.bounds[1]);
     this.sizePins();
     this.nameAll();
     for (const role of this.hidden) this.toggle(role, false);
@@ -61,13 +63,12 @@ export class Drawing {
 
   // A pin fills its hole.
   sizePins() {
-    const near = 1e-3 * (this.bounds[2] - this.bounds[0] + this.bounds[3] - this.bounds[1]);
     for (const mark of this.marks) {
       const [k] = mark.sort.endsWith("pin") ? this.known(mark) : [];
       if (k === undefined) continue;
       for (const body of this.bodies) for (const { circles } of body.drawn) for (const [u, v, r] of circles) {
         const [x, y] = this.place(body, u, v, k);
-        if (hypot(x - mark.x[k], y - mark.y[k]) < near) mark.hole = max(mark.hole ?? 0, r);
+        if (hypot(x - mark.x[k], y - mark.y[k]) < this.near) mark.hole = max(mark.hole ?? 0, r);
       }
     }
   }
@@ -240,6 +241,12 @@ export class Drawing {
     return [body.x[k] + u * body.cos[k] - v * body.sin[k], body.y[k] + u * body.sin[k] + v * body.cos[k]];
   }
 
+  // The point of a body that is at a position, mm.
+  within(body, x, y, k) {
+    const [u, v, c, s] = [x - body.x[k], y - body.y[k], body.cos[k], body.sin[k]];
+    return [c * u + s * v, c * v - s * u];
+  }
+
   // Names of bodies and points, each with its possible positions, the best first, in pixels.
   nameAll() {
     const on = (body, u, v) => (k) => this.screen(...this.place(body, u, v, k));
@@ -252,10 +259,8 @@ export class Drawing {
     for (const body of this.bodies) {
       const points = body.drawn.flatMap(({ points }) => points);
       // A body without parts has its name next to its block.
-      const spots = points.length ? this.spotsOn(body, points).map(([u, v]) => on(body, u, v))
-        : !body.fixed && marks.some(({ sort }) => sort === "slide")
-        && !marks.some(({ sort, label }) => sort === "line" && label === body.name)
-        && [24, -20].map((down) => at(body, 0, 0, down));
+      const block = !points.length && !body.fixed && !marks.some(({ sort, label }) => sort === "line" && label === body.name) && this.blockOf(body);
+      const spots = points.length ? this.spotsOn(body, points).map(([u, v]) => on(body, u, v)) : block && [24, -20].map((down) => at(block, 0, 0, down));
       if (spots && !body.unnamed) this.named.add(spaced(body.name), "of-body", "names", spots);
     }
     for (const mark of marks) {
@@ -278,9 +283,17 @@ export class Drawing {
     this.named.all.sort((a, b) => off.includes(b.role) - off.includes(a.role));
   }
 
-  // Width and height, mm, of the visible elements, and of `room`, ends as those of `bounds`, if an editor needs that.
+  // The slide whose place on a body is the same at all frames.
+  blockOf(body) {
+    return this.marks.find((mark) => {
+      const [first, ...others] = mark.sort === "slide" ? this.known(mark) : [], place = first !== undefined && this.within(body, mark.x[first], mark.y[first], first);
+      return place && others.every((k) => { const [x, y] = this.place(body, ...place, k); return hypot(x - mark.x[k], y - mark.y[k]) < this.near; });
+    });
+  }
+
+  // Width and height, mm, of the visible elements, and of `room`: what else an editor shows, each with ends as those of `bounds`.
   size() {
-    const boxes = [this.bounds, ...(this.room ? [this.room] : []), ...this.far.filter((role) => !this.hidden.has(role)).map((role) => this.asides[role])];
+    const boxes = [this.bounds, ...this.room, ...this.far.filter((role) => !this.hidden.has(role)).map((role) => this.asides[role])];
     this.box = this.bounds.map((_, k) => (k < 2 ? min : max)(...boxes.map((box) => box[k])));
     const [left, low, right, high] = this.box;
     return [max(right - left, 1e-9), max(high - low, 1e-9)];
@@ -447,10 +460,7 @@ export class Drawing {
     const above = this.bodies.filter((other) => other !== body && other.layer >= body.layer);
     return Array.from({ length: COVERED }, (_, look) => floor(look * this.frames / COVERED)).filter((k) => {
       const [x, y] = this.place(body, ...spot, k);
-      return above.some((other) => {
-        const [u, v, c, s] = [x - other.x[k], y - other.y[k], other.cos[k], other.sin[k]];
-        return platesOf(other).some((plate) => plate.isPointInFill(new DOMPoint(c * u + s * v, c * v - s * u)));
-      });
+      return above.some((other) => platesOf(other).some((plate) => plate.isPointInFill(new DOMPoint(...this.within(other, x, y, k)))));
     }).length;
   }
 }

@@ -48,16 +48,18 @@ export class Names {
     }
   }
 
+  // Whether two texts overlap, each [x, y] of its middle and half its width, px.
+  overlap([x, y, half], [u, v, other]) { return abs(x - u) < half + other && abs(y - v) < this.line; }
+
   // Shows frame k. A name is hidden at frames at which it overlaps an earlier one.
   show(k) {
-    const shown = [];
+    const shown = this.shown = [];
     for (const { shape, spot, half, role } of this.all) {
       if (this.drawing.hidden.has(role)) continue;
-      const [x, y] = spot(k), over = shown.some(([u, v, other]) => abs(x - u) < half + other && abs(y - v) < this.line);
-      const on = isFinite(x + y) && !over;
+      const [x, y] = spot(k), on = isFinite(x + y) && !shown.some((other) => this.overlap([x, y, half], other));
       see(shape, on);
       if (!on) continue;
-      shown.push([x, y, half]);
+      shown.push([x, y, half, shape]);
       shape.setAttribute("transform", `translate(${px(x)} ${px(y + 4)})`);
     }
   }

@@ -266,7 +266,14 @@ class Player {
     drawings.forEach((drawing, k) => drawing.fit(floor(2 * MARGIN + free * needs[k] / sum), tall(columns > 1 ? tallest : sizes[k][1]), scale));
   }
 
+  // Fits them to all that there is now.
+  refit() {
+    for (const drawing of this.drawings) drawing.room = drawing.roomNow?.() ?? [];
+    this.fit(true);
+  }
+
   zoom(times) {
+    if (!times) this.refit();
     for (const drawing of this.shownDrawings) drawing.zoom(times);
     this.announceZoom(this.drawings[0]);
   }

@@ -6,6 +6,9 @@ import { abs, make, max, min, round, spaced, unpack } from "./shapes.js";
 export const MOST_PLOTS = 4;
 // Height of a docked plot, px.
 const DOCKED = 150;
+// Pixels between two ticks of an axis of values, at least, on a tall plot. The next nice step is at most twice as long, so a
+// quarter of the height leaves room for two ticks.
+const MOST_SPACE = 30;
 // Dashes of the curves of one plot: colour alone never distinguishes them.
 const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3], [13, 4], [4, 2, 1, 2]];
 const STROKES = ["wanted", "traced", "velocity", "acceleration", "s4", "s5"];
@@ -47,9 +50,14 @@ export class Plots {
     this.more.addEventListener("click", () => this.add());
     this.resized = new ResizeObserver(() => this.cards.forEach((card) => this.resize(card)));
     this.read(data);
-    const first = document.documentElement.clientWidth > 900 ? 2 : 1;
-    for (let k = 0; k < min(first, data.plots.length); k++) this.add();
+    this.fill();
     this.count();
+  }
+
+  // Adds plots up to the number that a page has at first.
+  fill() {
+    const first = document.documentElement.clientWidth > 900 ? 2 : 1;
+    while (this.cards.length < min(first, this.data.plots.length)) this.add();
   }
 
   read(data) {
@@ -64,7 +72,7 @@ export class Plots {
 
   // Plots other data. A card keeps its plot, or shows the first free one if that has no counterpart.
   load(data) {
-    const titles = this.data.plots.map(({ title }) => title);
+    const titles = this.data.plots.map(({ title }) => title), wereAllShown = this.cards.length === titles.length;
     const looks = this.cards.map(({ chosen }) => lookOf(this.data, this.data.plots[chosen].columns));
     this.read(data);
     const same = titles.length === data.plots.length && data.plots.every(({ title }, k) => title === titles[k]);
@@ -79,7 +87,7 @@ export class Plots {
       card.plot.over.setAttribute("aria-valuemax", data.frames - 1);
       card.plot.setData(this.curves(card));
     });
-    if (!this.cards.length && data.plots.length) this.add();
+    if (wereAllShown || !this.cards.length) this.fill();
     this.count();
   }
 
@@ -154,9 +162,9 @@ export class Plots {
       scales: { x: { time: false }, y: { range: (_, low, high) => this.range(card, low, high) } },
       axes: [
         { ...axis, label, size: 34, ...(drive.unit === "deg" ? { incrs: DEGREES } : {}), values: write("x") },
-        { ...axis, label: unit, size: 58, values: write("y") },
+        { ...axis, label: unit, size: 58, values: write("y"), space: (_, axis, low, high, size) => min(MOST_SPACE, size / 4) },
       ],
-      series: [{}, ...columns.map((column, k) => ({ label: column.name, stroke: strokes[k], width: 1.75, dash: DASHES[k % 6], points: { show: true, size: 6, filter: ({ data }, k) => (column.spot ? null : alone(data[k])) } }))],
+      series: [{}, ...columns.map((column, k) => ({ label: column.name, stroke: strokes[k], width: 1.75, dash: DASHES[k % 6], points: { show: true, size: 6, filter: ({ data }, k) => (column.spot ? null : alone(data[k], this.data.cyclic)) } }))],
       hooks: { draw: [(plot) => { drawLimits(plot, this.limitsOf(card), colour("--wanted"), colour("--paper"), font); this.show(this.frame); this.drawn?.(card); }], setCursor: [(plot) => this.hover(card, plot)] },
     }, this.curves(card), card.chart);
     this.label(card, strokes);
@@ -270,8 +278,11 @@ export class Plots {
   }
 }
 
-// Indices of known values between unknown ones, which no curve shows.
-const alone = (row) => [...row.keys()].filter((k) => row[k] !== null && (row[k - 1] ?? null) === null && (row[k + 1] ?? null) === null);
+// Indices of known values between unknown ones, which no curve shows. The last value of a turn is the first one again.
+const alone = (row, cyclic) => [...row.keys()].filter((k) => {
+  const last = row.length - 1, before = cyclic && k === 0 ? last - 1 : k - 1, after = cyclic && k === last ? 1 : k + 1;
+  return row[k] !== null && (row[before] ?? null) === null && (row[after] ?? null) === null;
+});
 
 // A key of the axes and curves of a plot, which is built again if they change.
 const lookOf = (data, columns) => JSON.stringify([0, ...columns].map((k) => [data.columns[k].name, data.columns[k].unit]));
