@@ -259,7 +259,7 @@ def test_a_list_of_an_id_leads_to_its_explanation(command):
         ("list", "a wiper that sweeps 80 degrees", "boxed-wiper.toml", 1),
         ("examples", "something that dwells", "geneva.toml", 20),
         ("examples", "a cam with springs", "loaded-cam.toml", 8),
-        ("list", "intermittent motion", "ratchet", 4),
+        ("list", "intermittent motion", "geneva", 4),
         ("examples", "intermittent motion", "geneva.toml", 4),
         ("examples", "a cam with a pressure angle below 30", "loaded-cam.toml", 4),
         ("list", "a windscreen wiper", "wiper.toml", 4),

@@ -33,7 +33,7 @@ ALSO_KNOWN_AS = {
     "lantern-gears": ("pin gear", "pin wheel", "cage gear"),
     "gear-train": ("gearbox", "gear box", "reducer", "reduction", "compound gear", "motion work", "clockwork"),
     "geneva": ("maltese", "indexer", "intermittent", "indexing"),
-    "ratchet": ("pawl", "freewheel", "one way clutch", "intermittent"),
+    "ratchet": ("pawl", "freewheel", "one way clutch"),
     "groove-cam": ("face cam", "track cam", "box cam", "desmodromic"),
     "disk-cam": ("plate cam", "camshaft", "snail cam", "eccentric", "follower"),
     "slider-crank": ("piston", "engine", "crankshaft"),
