@@ -42,7 +42,7 @@ PLURAL = "plural"
 # `worst_case_mm_per_s`.
 SUFFIX = re.compile(r"(?<!_[nN])(?<!_kg)(?<!_per)_mm([23]?)(?=(?:_per_s2?)?$)")
 # Entries among lengths that are none.
-PURE = ("profile_shift", "tool_profile_shift", "share_of_involute_lost")
+PURE = ("profile_shift", "tool_profile_shift", "share_of_involute_lost", "time_ratio")
 # Entries that hold linkages, whose lengths have the names of their fields.
 SOLUTIONS = ("found", "usable", "ranked", "cognates", "trade_off")
 LENGTHS = ("ground", "crank", "coupler", "rocker", "offset", "rod", "link", "output", "lever", "shift", "ram_height")

@@ -294,12 +294,11 @@ NARROWEST_TAB = 0.01
 
 def check_tabs(cuts: Sequence[Cut], width: float, cut_width: float) -> None:
     """DesignError if tabs of a width, mm, each wider by that of the cut, would take more than half of an outline."""
-    names = [cut.part.name for cut in cuts if cut.loops[0].layer == "CUT"]
-    lengths = [float(_along(cut.loops[0])[-1][-1]) for cut in cuts if cut.loops[0].layer == "CUT"]
-    fits = [whole / (2 * _tabs_on(whole)) - cut_width for whole in lengths]
-    if width <= (widest := min(fits, default=inf)):
+    lengths = [(float(_along(cut.loops[0])[-1][-1]), cut.part.name) for cut in cuts if cut.loops[0].layer == "CUT"]
+    fits = [(whole / (2 * _tabs_on(whole)) - cut_width, whole, name) for whole, name in lengths]
+    widest, whole, name = min(fits, default=(inf, inf, ""))
+    if width <= widest:
         return
-    name, whole = names[fits.index(widest)], lengths[fits.index(widest)]
     cut_too = f", and {mm(cut_width):g} more each for the cut," if cut_width else ""
     problem = (
         f"found {mm(width):g}, but {_tabs_on(whole)} tabs as wide{cut_too} take more than half of the outline of the "

@@ -362,7 +362,7 @@ class StraightPart:
     Parameters
     ----------
     start, end : complex
-        Travel of the part, projected onto the line, mm.
+        Ends of the part, projected onto the line, mm.
     deviation : float
         Largest distance of the path from the line, mm; no line has a smaller one. The path lies in a strip of twice
         this width. nan if the linkage is open in the part.

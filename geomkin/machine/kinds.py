@@ -27,6 +27,7 @@ from ..recipe.composed import AbstractComposedRecipe
 from ..recipe.load import from_table, to_toml
 from ..recipe.recipe import AbstractAssembledRecipe, AbstractGoal, AbstractRecipe, Additions, assembly_summary
 from ..recipe.settings import SLOWEST_RPM, Files
+from ..recipe.shown import before_scaling
 from .mechanisms import Mechanism, PlacedMechanism, errors_of, joined_scene, joined_table, refuse_machine
 from .shafts import MachineAssembly, ShaftFit, ShaftGraph, motor_key, motor_room, shaft_fits
 from .torques import MachineTorques, MachineWalking, WalkerTable, check_walker, feet_of
@@ -437,14 +438,14 @@ def checks_of(machine: MachineRecipe, kind: Literal["design_checks", "motion_che
     for name, recipe in machine.recipes.items():
         # A recipe in a file of its own has no keys in this one.
         is_file, key = machine.mechanisms[name].recipe.is_in_own_file, f"mechanisms.{name}.recipe"
-        is_scaled = (recipe.loaded_table or {}).get("scale", 1) != 1
         with errors_of(name):
             checks: tuple[Check, ...] = getattr(recipe, kind)
         for check in checks:
             if check.id == "motor_torque":
                 continue  # The machine has one check of the motor on its driver.
             id, reason = f"{name}_{check.id}".replace(" ", "_"), recipe.expected_failures.get(check.id, "")
-            inner = () if is_file or is_scaled else tuple(suggestion.under(key) for suggestion in check.suggestions)
+            check = before_scaling(recipe, check)
+            inner = () if is_file else tuple(suggestion.under(key) for suggestion in check.suggestions)
             yield replace(
                 check, id=id, name=f"{name}: {check.name}", column="", at=None, expected=reason, suggestions=inner
             )

@@ -194,7 +194,7 @@ class FitClass(ArgumentType, WrittenForm):
         example = '"H7/g6"' if has_shaft else '"H7"'
         kind = "a fit" if has_shaft else "a tolerance class"
         named = f"{' or '.join(words)}, or " if any(words) else ""
-        hole = "" if allows_hole else " (of a hole alone: bore_tolerance)"
+        alone = "" if allows_hole else " (of a hole alone: bore_tolerance)"
 
         def fits(value: Any) -> bool:
             if not isinstance(value, str) or value in words:
@@ -203,7 +203,7 @@ class FitClass(ArgumentType, WrittenForm):
             has_hole = _parsed(hole, True) is not None
             return has_hole and ((has_shaft and _parsed(shaft, False) is not None) or (allows_hole and not slash))
 
-        super().__init__(fits, f"{named}{kind} of ISO 286 such as {example}{hole}: {ALLOWED}", (str,))
+        super().__init__(fits, f"{named}{kind} of ISO 286 such as {example}{alone}: {ALLOWED}", (str,))
 
 
 # A fit of a bore: running or press by the clearance or interference of its stock, or a fit of ISO 286.

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..core.errors import shown
 from ..core.field_visitor import key_parts
-from ..core.units import MM, START, UNITS, LengthUnit
+from ..core.units import MM, START, UNITS, LengthUnit, bare_mm, converted_power, marked
 from ..model.check import Check, Suggestion, WorkedFormula
 from ..model.part import Bought, Part
 from ..model.scene import Choice, Limit, Plot, Scene
@@ -69,13 +69,7 @@ class ShownRecipe:
     def _shown(self, checks: tuple[Check, ...]) -> tuple[Check, ...]:
         has_positions = self.unit is not MM and any(check.at is not None for check in checks)
         slides = has_positions and self.recipe.table.columns[0].unit == "mm"
-        scale = (self.recipe.loaded_table or {}).get("scale", 1.0)
-        return tuple(
-            before_scaling(self.recipe, check_in(self.unit, check, slides), scale)
-            if scale != 1 and not check.passed and (check.suggestions or START in check.advice)
-            else check_in(self.unit, check, slides)
-            for check in checks
-        )
+        return tuple(check_in(self.unit, before_scaling(self.recipe, check), slides) for check in checks)
 
     @property
     def notes(self) -> Mapping[str, object]:
@@ -137,11 +131,14 @@ class ShownRecipe:
         return tuple(map(self.unit.text, lines))
 
 
-def before_scaling(recipe: AbstractRecipe, check: Check, scale: float) -> Check:
-    """The check with suggestions for the recipe as it was written: its key `scale` will multiply them again."""
-    suggestions = []
+def before_scaling(recipe: AbstractRecipe, check: Check) -> Check:
+    """The check, in mm, with suggestions for the recipe as written: its key `scale` will multiply them again."""
+    scale = (recipe.loaded_table or {}).get("scale", 1.0)
+    if scale == 1 or check.passed or not (check.suggestions or START in check.advice):
+        return check
+    suggestions, texts, in_mm = [], [], replace(recipe, units="mm")
     for suggestion in check.suggestions:
-        written = whole_table(varied(recipe)[0].opened(suggestion.values).at_scale(1 / scale))
+        written = whole_table(varied(in_mm)[0].opened(suggestion.values).at_scale(1 / scale))
         values: dict[str, Any] = {}
         for key in suggestion.values:
             place: Any = written
@@ -149,11 +146,15 @@ def before_scaling(recipe: AbstractRecipe, check: Check, scale: float) -> Check:
                 place = place[part]
             values[key] = place
         suggestions.append(replace(suggestion, values=values))
-    texts = (", ".join(f"{key} = {shown(value)}" for key, value in one.values.items()) for one in suggestions)
-    words = f"; in the recipe write {' or '.join(texts)}" if suggestions else ""
-    return replace(
-        check, suggestions=tuple(suggestions), advice=f"{check.advice} (sizes after scale = {scale:g}{words})"
-    )
+        power = converted_power(suggestion.unit)
+        texts.append(", ".join(f"{key} = {_value(value, power)}" for key, value in values.items()))
+    words = f"; in the recipe write {' or '.join(texts)}" if texts else ""
+    advice = f"{marked(check.advice)} (sizes after scale = {scale:g}{words})"
+    return replace(check, suggestions=tuple(suggestions), advice=advice)
+
+
+def _value(value: float | str, power: int) -> str:
+    return shown(value) if isinstance(value, str) else f"{bare_mm(float(value), power=power):.15g}"
 
 
 def check_in(unit: LengthUnit, check: Check, slides: bool = False) -> Check:

@@ -32,6 +32,7 @@ MOST = 10_000
 # A range start:stop:step.
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 RANGE = re.compile(rf"\s*({NUMBER})\s*:\s*({NUMBER})\s*:\s*({NUMBER})\s*")
+WITHOUT_STEP = re.compile(rf"\s*{NUMBER}\s*[:-]\s*{NUMBER}\s*")
 # A dotted key, such as gear.teeth or program[0].rise.
 KEY = re.compile(r"[^\W_][\w -]*(?:\[\d{1,6}\])*(?:\.[^\W_][\w -]*(?:\[\d{1,6}\])*)*")
 PLAIN = (str, int, float)
@@ -88,7 +89,7 @@ def _parsed(key: str, entry: str) -> list[Any]:
     """The values of one entry: those of a range, a TOML value, or the entry itself as a text."""
     if (match := RANGE.fullmatch(entry)) is not None:
         return _range(key, entry, *(Decimal(number) for number in match.groups()))
-    if re.fullmatch(rf"\s*{NUMBER}\s*[:-]\s*{NUMBER}\s*", entry):
+    if WITHOUT_STEP.fullmatch(entry):
         raise DesignError(key, f"found {shown(entry.strip())}", "give start:stop:step, such as 50:80:5", "wrong-type")
     try:
         table = tomllib.loads(f"value = {entry.strip()}\n")

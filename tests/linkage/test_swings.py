@@ -5,6 +5,7 @@ import pytest
 
 import geomkin as gk
 from geomkin.linkage.measures import strokes, swings
+from geomkin.recipe.shown import ShownRecipe
 
 
 @pytest.mark.parametrize("frames", [37, 361])
@@ -40,3 +41,12 @@ def test_bodies_that_turn_fully_or_do_not_close_have_no_swing():
     turns = np.linspace(0, 2 * np.pi, 73)
     assert swings(gk.move(gk.FourBar(30, 80, 70, 90), turns)) == {}
     assert swings(gk.move(gk.FourBar(100, 80, 30, 60), turns)) == {}
+
+
+@pytest.mark.parametrize("units", ["mm", "in"])
+def test_time_ratio_of_a_summary_is_no_length(units):
+    recipe = gk.load({"kind": "slider-crank", "units": units, "linkage": {"crank": 30, "coupler": 90, "offset": 30}})
+    (entry,) = ShownRecipe(recipe).notes[f"strokes_{units}"].values()
+    apart = np.arcsin(1 / 2) - np.arcsin(1 / 4)
+    assert entry["time_ratio"] == pytest.approx((np.pi + apart) / (np.pi - apart), rel=1e-3)
+    assert entry["stroke"] == pytest.approx(30 * (np.sqrt(15) - np.sqrt(3)), rel=1e-8)

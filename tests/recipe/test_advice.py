@@ -10,7 +10,7 @@ import geomkin as gk
 from geomkin.build import errors_named_by_key
 from geomkin.recipe.keys import varied, with_values
 from geomkin.recipe.kinds import kind_names
-from geomkin.recipe.load import shown_numbers
+from geomkin.recipe.load import plain_table, shown_numbers
 from geomkin.recipe.shown import ShownRecipe
 from tests.gallery import RECIPES
 from tests.texts import template_of
@@ -98,18 +98,35 @@ def walker_that_tips():
     return with_values(table, {"loads.carried": [{"mass_kg": 2, "along": 100, "across": 20}]})
 
 
+@pytest.mark.parametrize("units", ["mm", "in"])
 @pytest.mark.parametrize("name", ["straight follower", "arm", "counterbalance", "tolerance of an angle", "walker"])
-def test_a_check_of_a_scaled_recipe_passes_with_each_value_that_is_written_into_it(name):
+def test_a_check_of_a_scaled_recipe_passes_with_each_value_that_is_written_into_it(name, units):
     """Which its key `scale` multiplies again."""
     make, ids = (walker_that_tips, {"support_margin"}) if name == "walker" else FAILING[name]
     made = make()
     table = (tomllib.loads(made) if isinstance(made, str) else made) | {"scale": 1.7}
+    if units == "in":
+        table = plain_table(dataclasses.replace(gk.load(table | {"scale": 1}), units="in")) | {"scale": 1.7}
     checks = failed(gk.load(table))
     assert ids <= set(checks)
     for id in ids:
         for suggestion in checks[id].suggestions:
             again = {check.id: check for check in gk.load(with_values(table, suggestion.values)).checks}
             assert id not in again or again[id].passed, (suggestion, again[id])
+
+
+def test_suggestions_of_a_scaled_mechanism_in_a_machine_are_those_to_write():
+    scaled = cam(ROLLER, RISE, 731) | {"scale": 1.7}
+    other = {"recipe": BARS, "turned_by": "lifter.cam"}
+    table = {
+        "kind": "machine",
+        "drive": {"speed_rpm": 731},
+        "mechanisms": {"lifter": {"recipe": scaled}, "other": other},
+    }
+    check = failed(gk.load(table))["lifter_follower_contact"]
+    for suggestion in check.suggestions:
+        again = gk.load(with_values(table, suggestion.values)).checks
+        assert next(c for c in again if c.id == check.id).passed
 
 
 def test_suggestions_of_a_mechanism_in_a_machine_have_the_keys_of_the_machine():

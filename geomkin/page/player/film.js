@@ -23,10 +23,10 @@ export async function film(drawing, seconds, show, report) {
   recorder.addEventListener("dataavailable", ({ data }) => parts.push(data));
   const ended = new Promise((resolve) => { recorder.addEventListener("stop", resolve); });
   recorder.start();
-  const start = performance.now();
-  for (const [k, picture] of pictures.entries()) {
+  // Each picture stays its time, also on a busy machine, which would leave out those that follow at once.
+  for (const picture of pictures) {
     paper.drawImage(await createImageBitmap(picture), 0, 0);
-    await new Promise((resolve) => { setTimeout(resolve, start + 1000 * (k + 1) / RATE - performance.now()); });
+    await new Promise((resolve) => { setTimeout(resolve, 1000 / RATE); });
   }
   recorder.stop();
   await ended;
